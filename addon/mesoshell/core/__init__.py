@@ -1,0 +1,1 @@
+"""No bpy, no gpu: finding the compiled module, background jobs, the order of the stages, shader text."""

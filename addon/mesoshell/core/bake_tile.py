@@ -1,0 +1,123 @@
+"""The order of the stages from a tile's arrays to a map file: sample, GDM, SDF, compress, save."""
+
+import os
+import tempfile
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import native
+
+
+@dataclass(frozen=True)
+class BakeRequest:
+    """All that a bake needs; arrays are private copies, so that a thread may read them.
+
+    positions  float64 [n, 3] in metric texture space (tile widths); triangles int32 [m, 3]
+    height     of the tile, in tile widths; aspect: pv / pu
+    """
+
+    name: str
+    positions: np.ndarray
+    triangles: np.ndarray
+    height: float
+    aspect: float
+    path: str
+    resolution: tuple = (64, 64, 32)
+    directions: tuple = (16, 32)
+    sdf_resolution: tuple = (64, 64, 33)
+    terms: int = 16
+    precision: str = "half"
+    threads: int = 0
+
+
+@dataclass(frozen=True)
+class BakeResult:
+    """`rmse` is the truncation's, in tile widths; `seconds` maps each stage to its wall time."""
+
+    path: str
+    terms: int
+    rmse: float
+    ray_count: int
+    seconds: dict
+
+
+# Shares of the whole, as measured on the chain tile; only the progress bar depends on them.
+_SHARES = (("gdm", 0.60), ("sdf", 0.10), ("compress", 0.28), ("save", 0.02))
+
+
+def check_folder(path):
+    """Raises OSError, in a sentence, if no file can be made beside `path`: better now than after the bake."""
+    folder = os.path.dirname(path) or "."
+    if os.path.isdir(path):
+        raise IsADirectoryError(f"{path} is a folder: give the name of a file in it, such as chain.gdm.exr")
+    if not os.path.isdir(folder):
+        raise NotADirectoryError(f"There is no folder {folder} to save the map in: create it or choose another path")
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise OSError(f"The folder {folder} can not be written ({error.strerror}): "
+                      "choose another path for the map") from error
+
+
+@contextmanager
+def _naming(name, module):
+    """The native module does not know what the tile is called; its sentences reach a user who has several."""
+    try:
+        yield
+    except module.Cancelled:
+        raise
+    except ValueError as error:
+        raise ValueError(f'Tile "{name}": {error}') from error
+    except module.Error as error:
+        raise module.Error(f'Tile "{name}": {error}') from error
+
+
+def bake_tile(request, progress=None):
+    """Bakes `request` and saves the map; returns a BakeResult.
+
+    `progress(fraction) -> bool` sees one rising fraction over all stages; a False answer raises Cancelled.
+    Raises what the native module raises: ValueError, OSError, MemoryError, Error.
+    """
+    module = native.module()
+    seconds = {}
+    done = 0.0
+    shares = dict(_SHARES)
+
+    def stage(name, call):
+        nonlocal done
+        start, share = done, shares[name]
+
+        def inner(fraction):
+            return True if progress is None else bool(progress(start + share * fraction))
+
+        # The stages that are too quick to ask themselves still obey a cancel that came before them.
+        if not inner(0.0):
+            raise module.Cancelled(f"The bake of {request.name} was cancelled")
+        before = time.perf_counter()
+        if name == "save":  # its sentences name the file
+            result = call(inner)
+        else:
+            with _naming(request.name, module):
+                result = call(inner)
+        seconds[name] = time.perf_counter() - before
+        done = start + share
+        return result
+
+    with _naming(request.name, module):
+        sample = module.Sample(request.positions, request.triangles, height=request.height,
+                               aspect=request.aspect)
+    gdm = stage("gdm", lambda inner: module.bake_gdm(
+        sample, resolution=request.resolution, directions=request.directions, threads=request.threads, progress=inner))
+    sdf = stage("sdf", lambda inner: module.bake_sdf(
+        sample, resolution=request.sdf_resolution, threads=request.threads, progress=inner))
+    ray_count = gdm.ray_count
+    compressed = stage("compress", lambda inner: module.compress(
+        gdm, sdf=sdf, terms=request.terms, precision=request.precision, threads=request.threads, progress=inner))
+    stage("save", lambda inner: compressed.save(request.path))
+    if progress is not None:
+        progress(1.0)
+    return BakeResult(request.path, compressed.terms, compressed.rmse, ray_count, seconds)

@@ -1,0 +1,1 @@
+"""bpy only: reading meshes and lights, properties, handlers, and what differs between Blender versions."""

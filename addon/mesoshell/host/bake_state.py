@@ -1,0 +1,59 @@
+"""The bake that runs in this session, for the operator that polls it and the panel that shows it."""
+
+import bpy
+from bpy.app.handlers import persistent
+from bpy.props import FloatProperty
+
+from ..core import jobs
+
+job = None  # core.jobs.Job while one runs
+title = ""  # what the progress bar says
+report = ""  # the sentence that the last bake ended with
+failed = False  # whether `report` is an error
+
+
+def running():
+    return job is not None
+
+
+def start(work, name):
+    """Runs `work(progress)` in the background."""
+    global job, title, report, failed
+    title, report, failed = name, "", False
+    job = jobs.Job(work, name)
+    return job
+
+
+def finish(sentence, is_error):
+    global job, report, failed
+    job, report, failed = None, sentence, is_error
+
+
+def fraction():
+    return job.fraction if job is not None else 0.0
+
+
+def _fraction_property(_self):
+    return fraction()
+
+
+@persistent
+def _on_load_pre(*_arguments):
+    # The operator that polls the job goes away with the old file, so the job does too.
+    if job is not None:
+        job.cancel()
+        finish("The bake was cancelled because another file was opened", False)
+
+
+def register():
+    bpy.types.WindowManager.mesoshell_bake_fraction = FloatProperty(
+        name="Progress", description="Of the bake that runs", min=0.0, max=1.0, get=_fraction_property)
+    bpy.app.handlers.load_pre.append(_on_load_pre)
+
+
+def unregister():
+    jobs.cancel_all()
+    finish("", False)
+    if _on_load_pre in bpy.app.handlers.load_pre:
+        bpy.app.handlers.load_pre.remove(_on_load_pre)
+    del bpy.types.WindowManager.mesoshell_bake_fraction

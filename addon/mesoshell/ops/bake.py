@@ -1,0 +1,176 @@
+"""mesoshell.bake: bakes a tile object into a map file.
+
+From a script it runs to its end; invoked from the interface it runs in the background and Esc cancels it.
+"""
+
+import bpy
+from bpy.props import EnumProperty, IntProperty, IntVectorProperty, StringProperty
+
+from ..core import native
+from ..core.bake_tile import BakeRequest, bake_tile, check_folder
+from ..host import bake_state, meshes, paths, properties, versions
+from . import sentences
+
+POLL_SECONDS = 0.1
+
+
+class MESOSHELL_OT_bake(bpy.types.Operator):
+    """Bake the tile into a map file; what is not given is taken from the scene's settings"""
+
+    bl_idname = "mesoshell.bake"
+    bl_label = "Bake Tile"
+    bl_options = {'REGISTER'}
+
+    # SKIP_SAVE: a button must not repeat what the last script asked for.
+    tile: StringProperty(name="Tile", description="Name of the tile object", options={'SKIP_SAVE'})
+    filepath: StringProperty(name="Map", subtype='FILE_PATH', options={'SKIP_SAVE'} | versions.PATH_OPTIONS)
+    resolution: IntVectorProperty(name="Nodes", size=3, default=(64, 64, 32), min=2, max=1024, options={'SKIP_SAVE'})
+    directions: IntVectorProperty(name="Directions", size=2, default=(16, 32), min=2, max=256, options={'SKIP_SAVE'})
+    sdf_resolution: IntVectorProperty(name="SDF nodes", size=3, default=(64, 64, 33), min=2, max=1024,
+                                      options={'SKIP_SAVE'})
+    terms: IntProperty(name="Terms", default=16, min=1, max=1024, options={'SKIP_SAVE'})
+    precision: EnumProperty(name="Precision", items=properties.PRECISIONS, default="half", options={'SKIP_SAVE'})
+    threads: IntProperty(name="Threads", description="0 means all cores", default=0, min=0, options={'SKIP_SAVE'})
+
+    @classmethod
+    def poll(cls, context):
+        return sentences.poll_message(cls, not bake_state.running(), "A bake is running: wait for it, or cancel it")
+
+    def execute(self, context):
+        try:
+            request = self._request(context)
+        except sentences.expected() as error:
+            return self._fail(error)
+        manager = context.window_manager
+        manager.progress_begin(0, 1000)
+
+        def progress(fraction):
+            manager.progress_update(int(1000 * fraction))
+            return True
+
+        try:
+            result = bake_tile(request, progress)
+        except sentences.expected() as error:
+            return self._fail(error)
+        finally:
+            manager.progress_end()
+        return self._succeed(result, request)
+
+    def invoke(self, context, event):
+        if bpy.app.background or context.window is None:
+            return self.execute(context)
+        try:
+            request = self._request(context)
+        except sentences.expected() as error:
+            return self._fail(error)
+        self._request_made = request
+        self._job = bake_state.start(lambda progress: bake_tile(request, progress), f"Baking {request.name}")
+        self._timer = context.window_manager.event_timer_add(POLL_SECONDS, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        self._show(context)
+        return {'RUNNING_MODAL'}
+
+    def modal(self, context, event):
+        if event.type == 'ESC' and event.value == 'PRESS' and not self._job.done:
+            self._job.cancel()
+            return {'RUNNING_MODAL'}
+        if event.type != 'TIMER':
+            return {'PASS_THROUGH'}
+        if bake_state.job is not self._job:  # another file was opened, or the add-on was disabled
+            self._clean_up(context)
+            return {'CANCELLED', 'PASS_THROUGH'}
+        if not self._job.done:
+            self._show(context)
+            return {'PASS_THROUGH'}
+        self._clean_up(context)
+        if self._job.error is None:
+            return self._succeed(self._job.result, self._request_made)
+        if self._job.cancelled and isinstance(self._job.error, native.module().Cancelled):
+            bake_state.finish(f'The bake of "{self._request_made.name}" was cancelled', False)
+            self.report({'WARNING'}, bake_state.report)
+            return {'CANCELLED'}
+        if isinstance(self._job.error, sentences.expected()):
+            return self._fail(self._job.error)
+        bake_state.finish(f"The bake failed: {self._job.error}", True)
+        raise self._job.error
+
+    def cancel(self, context):
+        """Blender ends, or closes the window: the thread ends too, before anything is saved."""
+        self._job.cancel()
+        if bake_state.job is self._job:
+            bake_state.finish(f'The bake of "{self._request_made.name}" was cancelled', False)
+        self._clean_up(context)
+
+    def _request(self, context):
+        """Copies everything out of Blender; raises what sentences.expected() lists."""
+        native.module()
+        settings = context.scene.mesoshell
+
+        def value(name):
+            given = self.properties.is_property_set(name)
+            return getattr(self if given else settings, name)
+
+        tile = self._tile(context, settings)
+        path = paths.absolute(self.filepath or settings.output_path)
+        check_folder(path)
+        arrays = meshes.read_tile(tile, context.evaluated_depsgraph_get())
+        return BakeRequest(
+            name=tile.name, path=path, positions=arrays.positions, triangles=arrays.triangles, height=arrays.height,
+            aspect=arrays.aspect, resolution=tuple(value("resolution")), directions=tuple(value("directions")),
+            sdf_resolution=tuple(value("sdf_resolution")), terms=value("terms"), precision=value("precision"),
+            threads=self.threads)
+
+    def _tile(self, context, settings):
+        if self.tile:
+            tile = context.scene.objects.get(self.tile)
+            if tile is None:
+                raise ValueError(f'There is no object "{self.tile}" in the scene "{context.scene.name}": '
+                                 "give the name of a tile object")
+            return tile
+        if settings.tile is None:
+            raise ValueError("No tile is chosen: pick the tile object in the sidebar, or give its name")
+        return settings.tile
+
+    def _succeed(self, result, request):
+        seconds = sum(result.seconds.values())
+        bake_state.finish(f'Baked "{request.name}" to {result.path} in {seconds:.1f} s: {result.terms} terms, '
+                          f"RMSE {result.rmse:.3g} tile widths", False)
+        self.report({'INFO'}, bake_state.report)
+        properties.tag_redraw()
+        return {'FINISHED'}
+
+    def _fail(self, error):
+        bake_state.finish(sentences.of(error), True)
+        self.report({'ERROR'}, bake_state.report)
+        return {'CANCELLED'}
+
+    def _show(self, context):
+        if context.workspace is not None:
+            context.workspace.status_text_set(f"{bake_state.title}: {bake_state.fraction():.0%}    Esc: cancel")
+        _redraw_sidebars(context)
+
+    def _clean_up(self, context):
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        _redraw_sidebars(context)
+
+
+def _redraw_sidebars(context):
+    """Only the sidebars: drawing the whole view ten times a second would take cores from the bake."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == 'VIEW_3D':
+                for region in area.regions:
+                    if region.type == 'UI':
+                        region.tag_redraw()
+
+
+def register():
+    bpy.utils.register_class(MESOSHELL_OT_bake)
+
+
+def unregister():
+    bpy.utils.unregister_class(MESOSHELL_OT_bake)

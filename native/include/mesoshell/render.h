@@ -1,0 +1,64 @@
+// The reference renderer: the shader text of shaders/lib compiled as C++, and its lookups for tests and tools.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "mesoshell/compress.h"
+#include "mesoshell/interface.h"
+#include "mesoshell/job.h"
+#include "mesoshell/shell.h"
+
+namespace mesoshell {
+
+// A view: OpenGL clip space, column vectors, of `size` (width, height) pixels.
+struct View {
+    glm::dmat4 clip_from_object{1.0};
+    glm::ivec2 size{512};
+};
+
+// The center of projection in object space, homogeneous: (position, 1), or (-view direction, 0) for an orthographic view.
+// Throws InvalidArgument for a matrix that is not finite or cannot be inverted.
+glm::dvec4 eye_of(const glm::dmat4& clip_from_object);
+
+// The uniform block of shaders/interface.toml with everything set that the map and the view determine.
+// Throws InvalidArgument for a map without a distance field, which every traversal asks.
+ShellParams complete_params(const ShellParams& settings, const Map& map, const glm::dmat4& clip_from_object);
+
+// A picture; row 0 is the bottom. Where nothing is hit: color 0, distance infinite, prism -1.
+struct Rendering {
+    glm::ivec2 size{0};
+    std::vector<glm::vec4> color;       // linear, alpha 1 where hit
+    std::vector<std::uint8_t> hit;      // 0 or 1
+    std::vector<float> distance;        // object units, from the eye (perspective) or the near plane (orthographic)
+    std::vector<glm::vec3> normal;      // object space, unit length
+    std::vector<glm::vec3> texture;     // texture space
+    std::vector<std::int32_t> prism;    // index of the prism hit
+    std::vector<std::int32_t> fetches;  // texture instructions of the pixel's whole ray
+};
+
+// mode.x of the settings chooses the traversal; mode.y and mode.z are ignored. Throws InvalidArgument; Cancelled.
+Rendering render(const Shell& shell, const Map& map, const View& view, const ShellParams& settings, Job& job);
+
+// The shader text's lookup of the compressed GDM: tile widths, one a point. Directions need not be normalized.
+std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_texture, std::span<const glm::vec3> dir_metric);
+
+// The shader text's lookup of the distance field: tile widths, one a point.
+std::vector<float> lookup_sdf(const Map& map, std::span<const glm::vec3> pos_texture);
+
+// Where one ray runs inside one prism, as the shader text finds it: rows of (t_in, t_out, q_in, q_out), up to three.
+struct PrismSpan {
+    float t_in;
+    float t_out;
+    glm::vec3 q_in;
+    glm::vec3 q_out;
+};
+std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& origin, const glm::vec3& dir, float t_near);
+
+// The forward map of a prism at prism coordinates, as the shader text computes it.
+glm::vec3 prism_position(const PrismTexels& prism, const glm::vec3& q);
+
+}  // namespace mesoshell

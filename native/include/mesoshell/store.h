@@ -1,0 +1,23 @@
+// A map as a multi-part OpenEXR file.
+//
+// Each array is one part, "gdm.weights", "gdm.eigenmaps" and, where there is one, "sdf": a flat picture, channel Y, half or
+// float, ZIP. The last two dimensions of the array are a slice's rows and columns; slices stand side by side along the
+// dimension before them and below one another along the one before that. Header attributes: `mesoshell:shape` (the array's
+// dimensions), `mesoshell:version`, `mesoshell:checksum` (FNV-1a, 64 bits, of the values as 32-bit floats in the array's
+// order), `mesoshell:units`, and the tile's and the bake's settings.
+#pragma once
+
+#include <string>
+
+#include "mesoshell/compress.h"
+
+namespace mesoshell {
+
+// Writes a temporary file beside `path`, flushes it and renames it: an interrupted or failed save leaves what was there.
+// Throws FileError.
+void save_map(const Map& map, const std::string& path);
+
+// Throws FileError where the file cannot be read, Error where it is truncated, damaged or no map.
+Map load_map(const std::string& path);
+
+}  // namespace mesoshell

@@ -1,0 +1,84 @@
+// mesoshell_native.Sample
+#include "arrays.h"
+#include "mesoshell/sample.h"
+
+namespace mesoshell::python {
+namespace {
+
+std::vector<glm::uvec3> checked_triangles(std::span<const glm::i64vec3> rows, std::size_t vertices)
+{
+    std::vector<glm::uvec3> triangles;
+    triangles.reserve(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        for (int corner = 0; corner < 3; ++corner) {
+            if (rows[i][corner] < 0 || rows[i][corner] >= static_cast<std::int64_t>(vertices)) {
+                throw InvalidArgument("triangle " + std::to_string(i) + " of the tile uses vertex " +
+                                      std::to_string(rows[i][corner]) + ", but there are only " + std::to_string(vertices) +
+                                      " vertices");
+            }
+        }
+        triangles.emplace_back(rows[i]);
+    }
+    return triangles;
+}
+
+PyObject* sample_new(PyTypeObject* type, PyObject* args, PyObject* kwargs)
+{
+    auto& state = *static_cast<ModuleState*>(PyType_GetModuleState(type));
+    return guarded(state, [&]() -> PyObject* {
+        static const char* names[] = {"positions", "triangles", "height", "aspect", nullptr};
+        PyObject* positions = nullptr;
+        PyObject* triangles = nullptr;
+        double height = 0.0;
+        double aspect = 1.0;
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OO|$dd:Sample", const_cast<char**>(names), &positions, &triangles,
+                                         &height, &aspect)) {
+            return nullptr;
+        }
+        require_keywords(kwargs, {"height"});
+        const ArrayArgument<float> position_array(state, positions, "positions", 3);
+        const ArrayArgument<std::int64_t> triangle_array(state, triangles, "triangles", 3);
+        const auto points = position_array.rows<glm::vec3>();
+        return box(type, Sample({points.begin(), points.end()},
+                                checked_triangles(triangle_array.rows<glm::i64vec3>(), points.size()),
+                                static_cast<float>(height), static_cast<float>(aspect)));
+    });
+}
+
+const Sample& self_of(PyObject* self)
+{
+    return *unbox<Sample>(self);
+}
+
+PyGetSetDef sample_attributes[] = {
+    {"height", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).height()); }, nullptr, "tile widths", nullptr},
+    {"aspect", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).aspect()); }, nullptr, "pv / pu", nullptr},
+    {"vertex_count", [](PyObject* self, void*) { return PyLong_FromSize_t(self_of(self).positions().size()); }, nullptr,
+     "vertices of the mesh", nullptr},
+    {"triangle_count", [](PyObject* self, void*) { return PyLong_FromSize_t(self_of(self).triangles().size()); }, nullptr,
+     "triangles of the mesh", nullptr},
+    {"clipped_triangles", [](PyObject* self, void*) { return PyLong_FromSize_t(self_of(self).clipped_triangles()); }, nullptr,
+     "triangles cut or dropped at w = 0 and w = 1", nullptr},
+    {nullptr, nullptr, nullptr, nullptr, nullptr},
+};
+
+PyType_Slot sample_slots[] = {
+    {Py_tp_doc, const_cast<char*>("Sample(positions, triangles, *, height, aspect=1.0)\n--\n\n"
+                                  "A closed periodic mesh in metric texture space: positions [n, 3] in tile widths (x has "
+                                  "period 1, y period aspect), triangles [m, 3]. Raises ValueError.")},
+    {Py_tp_new, reinterpret_cast<void*>(sample_new)},
+    {Py_tp_dealloc, reinterpret_cast<void*>(dealloc_boxed<Sample>)},
+    {Py_tp_getset, sample_attributes},
+    {0, nullptr},
+};
+
+PyType_Spec sample_spec = {"mesoshell_native.Sample", sizeof(Boxed<Sample>), 0, Py_TPFLAGS_DEFAULT, sample_slots};
+
+}  // namespace
+
+int add_sample(PyObject* module)
+{
+    return add_type(module, sample_spec, state_of_module(module).sample_type);
+}
+
+}  // namespace mesoshell::python

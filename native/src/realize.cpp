@@ -1,0 +1,271 @@
+#include "mesoshell/realize.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <glm/gtc/matrix_access.hpp>
+
+#include "embree_scene.h"
+#include "parallel.h"
+#include "view_rays.h"
+
+namespace mesoshell {
+namespace {
+
+// A triangle is split while an edge spans more than this share of the prism sideways times the share in height: the bilinear
+// map bends it by a quarter of that share of the prism's change of width.
+constexpr double most_bend = 0.01;
+
+// Barycentric weights in the prism's triangle, and height.
+struct Point {
+    std::array<double, 3> weight;
+    double w;
+};
+
+Point between(const Point& a, const Point& b, double share)
+{
+    Point p;
+    for (int i = 0; i < 3; ++i) {
+        p.weight[i] = a.weight[i] + (b.weight[i] - a.weight[i]) * share;
+    }
+    p.w = a.w + (b.w - a.w) * share;
+    return p;
+}
+
+using Polygon = std::vector<Point>;
+
+// The part where weight `i` is not negative.
+Polygon clip(const Polygon& polygon, int i)
+{
+    Polygon kept;
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+        const Point& a = polygon[k];
+        const Point& b = polygon[(k + 1) % polygon.size()];
+        if (a.weight[i] >= 0.0) {
+            kept.push_back(a);
+        }
+        if ((a.weight[i] >= 0.0) != (b.weight[i] >= 0.0)) {
+            kept.push_back(between(a, b, a.weight[i] / (a.weight[i] - b.weight[i])));
+        }
+    }
+    return kept;
+}
+
+class PrismWarp {
+public:
+    PrismWarp(const PrismTexels& texels, std::vector<glm::vec3>& out) : out_(out)
+    {
+        for (int i = 0; i < 3; ++i) {
+            base_[i] = glm::dvec3(texels[i]);
+            top_[i] = glm::dvec3(texels[i + 3]);
+            uv_[i] = glm::dvec2(texels[i].w, texels[6][i]);
+        }
+        const glm::dvec2 e1 = uv_[1] - uv_[0];
+        const glm::dvec2 e2 = uv_[2] - uv_[0];
+        area_ = e1.x * e2.y - e1.y * e2.x;
+    }
+
+    bool covers_texture() const { return area_ != 0.0; }
+    glm::dvec2 lower() const { return glm::min(uv_[0], glm::min(uv_[1], uv_[2])); }
+    glm::dvec2 upper() const { return glm::max(uv_[0], glm::max(uv_[1], uv_[2])); }
+
+    // A triangle of texture space.
+    void add(const std::array<glm::dvec3, 3>& corners)
+    {
+        Polygon polygon;
+        for (const glm::dvec3& c : corners) {
+            const glm::dvec2 e1 = uv_[1] - uv_[0];
+            const glm::dvec2 e2 = uv_[2] - uv_[0];
+            const glm::dvec2 p = glm::dvec2(c) - uv_[0];
+            const double b1 = (p.x * e2.y - p.y * e2.x) / area_;
+            const double b2 = (e1.x * p.y - e1.y * p.x) / area_;
+            polygon.push_back({{1.0 - b1 - b2, b1, b2}, c.z});
+        }
+        for (int i = 0; i < 3 && !polygon.empty(); ++i) {
+            polygon = clip(polygon, i);
+        }
+        for (std::size_t k = 2; k < polygon.size(); ++k) {
+            emit(polygon[0], polygon[k - 1], polygon[k], 0);
+        }
+    }
+
+private:
+    static double bend(const Point& a, const Point& b)
+    {
+        double sideways = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            sideways = std::max(sideways, std::abs(a.weight[i] - b.weight[i]));
+        }
+        return sideways * std::abs(a.w - b.w);
+    }
+
+    glm::vec3 map(const Point& p) const
+    {
+        glm::dvec3 position(0.0);
+        for (int i = 0; i < 3; ++i) {
+            position += (base_[i] * (1.0 - p.w) + top_[i] * p.w) * p.weight[i];
+        }
+        return glm::vec3(position);
+    }
+
+    void emit(const Point& a, const Point& b, const Point& c, int depth)
+    {
+        const double ab = bend(a, b);
+        const double bc = bend(b, c);
+        const double ca = bend(c, a);
+        const double most = std::max(ab, std::max(bc, ca));
+        if (most <= most_bend || depth == 16) {
+            out_.insert(out_.end(), {map(a), map(b), map(c)});
+        } else if (most == ab) {
+            const Point middle = between(a, b, 0.5);
+            emit(a, middle, c, depth + 1);
+            emit(middle, b, c, depth + 1);
+        } else if (most == bc) {
+            const Point middle = between(b, c, 0.5);
+            emit(a, b, middle, depth + 1);
+            emit(a, middle, c, depth + 1);
+        } else {
+            const Point middle = between(c, a, 0.5);
+            emit(a, b, middle, depth + 1);
+            emit(middle, b, c, depth + 1);
+        }
+    }
+
+    std::vector<glm::vec3>& out_;
+    std::array<glm::dvec3, 3> base_;
+    std::array<glm::dvec3, 3> top_;
+    std::array<glm::dvec2, 3> uv_;
+    double area_;
+};
+
+struct TextureTriangle {
+    std::array<glm::dvec3, 3> corners;
+    glm::dvec2 lower;
+    glm::dvec2 upper;
+};
+
+std::vector<TextureTriangle> texture_triangles(const Sample& sample)
+{
+    std::vector<TextureTriangle> triangles;
+    const glm::dvec3 scale(1.0, 1.0 / sample.aspect(), 1.0 / sample.height());
+    for (const glm::uvec3& t : sample.slab_triangles()) {
+        TextureTriangle triangle;
+        for (int i = 0; i < 3; ++i) {
+            triangle.corners[i] = glm::dvec3(sample.slab_positions()[t[i]]) * scale;
+        }
+        triangle.lower = glm::min(glm::dvec2(triangle.corners[0]),
+                                  glm::min(glm::dvec2(triangle.corners[1]), glm::dvec2(triangle.corners[2])));
+        triangle.upper = glm::max(glm::dvec2(triangle.corners[0]),
+                                  glm::max(glm::dvec2(triangle.corners[1]), glm::dvec2(triangle.corners[2])));
+        triangles.push_back(triangle);
+    }
+    return triangles;
+}
+
+void warp_into_prism(const std::vector<TextureTriangle>& triangles, const glm::dvec2& lower, const glm::dvec2& upper,
+                     PrismWarp& warp)
+{
+    const glm::dvec2 first = glm::floor(warp.lower() - upper);
+    const glm::dvec2 last = glm::ceil(warp.upper() - lower);
+    for (double j = first.y; j <= last.y; ++j) {
+        for (double i = first.x; i <= last.x; ++i) {
+            const glm::dvec2 copy(i, j);
+            const glm::dvec2 wanted_lower = warp.lower() - copy;
+            const glm::dvec2 wanted_upper = warp.upper() - copy;
+            for (const TextureTriangle& t : triangles) {
+                if (t.upper.x < wanted_lower.x || t.lower.x > wanted_upper.x || t.upper.y < wanted_lower.y ||
+                    t.lower.y > wanted_upper.y) {
+                    continue;
+                }
+                const glm::dvec3 offset(copy, 0.0);
+                warp.add({t.corners[0] + offset, t.corners[1] + offset, t.corners[2] + offset});
+            }
+        }
+    }
+}
+
+}  // namespace
+
+RealizedMesh realize(const Shell& shell, const Sample& sample, Job& job)
+{
+    for (std::size_t i = 0; i < shell.prisms.size(); ++i) {
+        const PrismTexels& t = shell.prisms[i];
+        for (int corner = 0; corner < 3; ++corner) {
+            if (t[corner].w != t[corner + 3].w || t[6][corner] != t[6 + (corner + 3) / 4][(corner + 3) % 4]) {
+                throw InvalidArgument("prism " + std::to_string(i) +
+                                      " has other UVs at its top than at its base; realize needs them equal");
+            }
+        }
+    }
+    const std::vector<TextureTriangle> triangles = texture_triangles(sample);
+    glm::dvec2 lower(std::numeric_limits<double>::max());
+    glm::dvec2 upper(std::numeric_limits<double>::lowest());
+    for (const TextureTriangle& t : triangles) {
+        lower = glm::min(lower, t.lower);
+        upper = glm::max(upper, t.upper);
+    }
+
+    constexpr int prisms_per_task = 64;
+    const int count = static_cast<int>(shell.prisms.size());
+    const int tasks = (count + prisms_per_task - 1) / prisms_per_task;
+    std::vector<std::vector<glm::vec3>> parts(static_cast<std::size_t>(tasks));
+    parallel_for(job, tasks, [&](int task) {
+        for (int i = task * prisms_per_task; i < std::min(count, (task + 1) * prisms_per_task); ++i) {
+            PrismWarp warp(shell.prisms[static_cast<std::size_t>(i)], parts[static_cast<std::size_t>(task)]);
+            if (warp.covers_texture()) {
+                warp_into_prism(triangles, lower, upper, warp);
+            }
+        }
+    });
+    RealizedMesh mesh;
+    for (std::vector<glm::vec3>& part : parts) {
+        mesh.positions.insert(mesh.positions.end(), part.begin(), part.end());
+        part = {};
+    }
+    mesh.triangles.resize(mesh.positions.size() / 3);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        mesh.triangles[i] = glm::uvec3(3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    return mesh;
+}
+
+Trace trace(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles, const View& view, Job& job)
+{
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        if (std::max(triangles[i].x, std::max(triangles[i].y, triangles[i].z)) >= positions.size()) {
+            throw InvalidArgument("triangle " + std::to_string(i) + " uses a vertex that does not exist; there are " +
+                                  std::to_string(positions.size()));
+        }
+    }
+    const ViewRays rays(view);
+    const TriangleScene scene(positions, triangles);
+    const std::size_t pixels = static_cast<std::size_t>(view.size.x) * view.size.y;
+    Trace picture;
+    picture.size = view.size;
+    picture.hit.assign(pixels, 0);
+    picture.distance.assign(pixels, std::numeric_limits<float>::infinity());
+    picture.normal.assign(pixels, glm::vec3(0.0f));
+    const glm::dvec4 near_row = glm::row(view.clip_from_object, 2) + glm::row(view.clip_from_object, 3);
+    parallel_for(job, view.size.y, [&](int y) {
+        for (int x = 0; x < view.size.x; ++x) {
+            const PixelRay ray = rays.at(x, y);
+            // The near plane is where clip z + w is 0.
+            const double at_origin = glm::dot(near_row, glm::dvec4(ray.origin, 1.0));
+            const double along = glm::dot(near_row, glm::dvec4(ray.dir, 0.0));
+            const float tnear = static_cast<float>(std::max(-at_origin / along, 0.0));
+            const TriangleHit hit =
+                scene.intersect1(ray.origin, ray.dir, tnear, std::numeric_limits<float>::infinity());
+            if (hit.hit) {
+                const std::size_t pixel = static_cast<std::size_t>(y) * view.size.x + x;
+                picture.hit[pixel] = 1;
+                picture.distance[pixel] = hit.t;
+                picture.normal[pixel] = glm::normalize(hit.normal);
+            }
+        }
+    });
+    return picture;
+}
+
+}  // namespace mesoshell

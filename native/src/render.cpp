@@ -1,0 +1,213 @@
+#include "mesoshell/render.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "embree_scene.h"
+#include "parallel.h"
+#include "shader_text.h"
+#include "view_rays.h"
+
+namespace mesoshell {
+namespace {
+
+constexpr int tile_pixels = 16;
+
+std::vector<BoxScene::Box> prism_boxes(const Shell& shell)
+{
+    std::vector<BoxScene::Box> boxes(shell.prisms.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        glm::vec3 lower(shell.prisms[i][0]);
+        glm::vec3 upper = lower;
+        for (int corner = 1; corner < 6; ++corner) {
+            lower = glm::min(lower, glm::vec3(shell.prisms[i][corner]));
+            upper = glm::max(upper, glm::vec3(shell.prisms[i][corner]));
+        }
+        // The fins lie in the convex hull of the corners; the margin covers rounding of the spans.
+        const glm::vec3 margin(1e-5f * glm::length(upper - lower));
+        boxes[i] = {lower - margin, upper + margin};
+    }
+    return boxes;
+}
+
+class PixelRenderer {
+public:
+    PixelRenderer(const View& view, const ViewRays& rays, const ShellParams& params, const BoxScene& scene,
+                  Rendering& picture)
+        : view_(view), rays_(rays), params_(params), scene_(scene), picture_(picture),
+          clip_from_object_(view.clip_from_object), tile_(shader::tile_of(params)), tolerance_(shader::tolerance_of(params))
+    {
+    }
+
+    void render_pixel(int x, int y) const
+    {
+        const PixelRay ray = rays_.at(x, y);
+        const glm::vec3& origin = ray.origin;
+        const glm::vec3& dir = ray.dir;
+        const float t_near = shader::ray_near(clip_from_object_, origin, dir);
+
+        shader::ShellHit nearest;
+        nearest.hit = false;
+        std::uint32_t prism_hit = 0;
+        int fetches = 0;
+        scene_.visit_along(origin, dir, std::max(t_near, 0.0f), [&](std::uint32_t index, float tfar) {
+            const shader::ShellHit hit = shader::trace_prism(shader::load_prism(static_cast<int>(index)), origin, dir, t_near,
+                                                             params_.mode.x, tile_, tolerance_);
+            fetches += hit.fetches;
+            if (!hit.hit || hit.t >= tfar || shader::window_depth(clip_from_object_, origin + dir * hit.t) > 1.0f) {
+                return tfar;
+            }
+            nearest = hit;
+            prism_hit = index;
+            return hit.t;
+        });
+
+        const std::size_t pixel = static_cast<std::size_t>(y) * view_.size.x + x;
+        picture_.fetches[pixel] = fetches;
+        if (!nearest.hit) {
+            return;
+        }
+        const glm::vec3 normal = shader::hit_normal(shader::load_prism(static_cast<int>(prism_hit)), nearest, tile_);
+        picture_.hit[pixel] = 1;
+        picture_.color[pixel] = glm::vec4(shader::hit_color(params_, normal), 1.0f);
+        picture_.distance[pixel] = shader::seen_distance(params_.eye_object, nearest.t, t_near);
+        picture_.normal[pixel] = normal;
+        picture_.texture[pixel] = nearest.pos_texture;
+        picture_.prism[pixel] = static_cast<std::int32_t>(prism_hit);
+    }
+
+private:
+    const View& view_;
+    const ViewRays& rays_;
+    const ShellParams& params_;
+    const BoxScene& scene_;
+    Rendering& picture_;
+    glm::mat4 clip_from_object_;
+    shader::Tile tile_;
+    shader::Tolerance tolerance_;
+};
+
+void check_sdf(const Map& map)
+{
+    if (map.sdf.empty()) {
+        throw InvalidArgument("the map has no distance field; bake one and pass it to compress(..., sdf=...)");
+    }
+}
+
+}  // namespace
+
+glm::dvec4 eye_of(const glm::dmat4& clip_from_object)
+{
+    const glm::dmat4 inverse = glm::inverse(clip_from_object);
+    // The eye is the one point that the view maps to (0, 0, z, 0).
+    const glm::dvec4 eye = inverse * glm::dvec4(0.0, 0.0, 1.0, 0.0);
+    const double size = glm::length(glm::dvec3(eye));
+    if (!std::isfinite(glm::dot(eye, eye)) || glm::dot(eye, eye) == 0.0) {
+        throw InvalidArgument("clip_from_object cannot be inverted; give a projection times a view matrix");
+    }
+    if (std::abs(eye.w) <= 1e-9 * size) {
+        return glm::dvec4(-glm::dvec3(eye) / size, 0.0);
+    }
+    return eye / eye.w;
+}
+
+ShellParams complete_params(const ShellParams& settings, const Map& map, const glm::dmat4& clip_from_object)
+{
+    check_sdf(map);
+    if (settings.mode.x != shader::TRAVERSAL_GDM && settings.mode.x != shader::TRAVERSAL_SDF) {
+        throw InvalidArgument("traversal " + std::to_string(settings.mode.x) + " does not exist; choose gdm or sdf");
+    }
+    ShellParams params = settings;
+    params.eye_object = glm::vec4(eye_of(clip_from_object));
+    params.gdm_nodes = glm::vec4(glm::vec3(map.resolution.nodes), static_cast<float>((map.terms + 3) / 4));
+    params.gdm_directions = glm::vec4(map.resolution.ntheta, map.resolution.nphi, 0.0f, 0.0f);
+    params.sdf_nodes = glm::vec4(glm::vec3(map.sdf_nodes), 0.0f);
+    params.tile = glm::vec4(map.height, map.aspect, 0.0f, 0.0f);
+    return params;
+}
+
+Rendering render(const Shell& shell, const Map& map, const View& view, const ShellParams& settings, Job& job)
+{
+    const ShellParams params = complete_params(settings, map, view.clip_from_object);
+    const ViewRays rays(view);
+    const std::size_t pixels = static_cast<std::size_t>(view.size.x) * view.size.y;
+    Rendering picture;
+    picture.size = view.size;
+    picture.color.assign(pixels, glm::vec4(0.0f));
+    picture.hit.assign(pixels, 0);
+    picture.distance.assign(pixels, std::numeric_limits<float>::infinity());
+    picture.normal.assign(pixels, glm::vec3(0.0f));
+    picture.texture.assign(pixels, glm::vec3(0.0f));
+    picture.prism.assign(pixels, -1);
+    picture.fetches.assign(pixels, 0);
+
+    const BoxScene scene(prism_boxes(shell));
+    const shader::ShaderInputs inputs{&map, shell.prisms.data()};
+    const PixelRenderer renderer(view, rays, params, scene, picture);
+    const int columns = (view.size.x + tile_pixels - 1) / tile_pixels;
+    const int rows = (view.size.y + tile_pixels - 1) / tile_pixels;
+    parallel_for(job, columns * rows, [&](int task) {
+        const shader::InputScope scope(inputs);
+        const glm::ivec2 first(task % columns * tile_pixels, task / columns * tile_pixels);
+        const glm::ivec2 last = glm::min(first + tile_pixels, view.size);
+        for (int y = first.y; y < last.y; ++y) {
+            for (int x = first.x; x < last.x; ++x) {
+                renderer.render_pixel(x, y);
+            }
+        }
+    });
+    return picture;
+}
+
+std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_texture, std::span<const glm::vec3> dir_metric)
+{
+    if (pos_texture.size() != dir_metric.size()) {
+        throw InvalidArgument("there are " + std::to_string(pos_texture.size()) + " positions but " +
+                              std::to_string(dir_metric.size()) + " directions; give one each");
+    }
+    const shader::InputScope scope({&map, nullptr});
+    shader::Tile tile;
+    tile.scale = glm::vec3(1.0f, map.aspect, map.height);
+    tile.gdm_nodes = glm::vec3(map.resolution.nodes);
+    tile.gdm_directions = glm::vec2(map.resolution.ntheta, map.resolution.nphi);
+    tile.gdm_groups = (map.terms + 3) / 4;
+    tile.sdf_nodes = glm::vec3(0.0f);
+    std::vector<float> distances(pos_texture.size());
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+        distances[i] = shader::lookup_gdm(tile, pos_texture[i], glm::normalize(dir_metric[i]));
+    }
+    return distances;
+}
+
+std::vector<float> lookup_sdf(const Map& map, std::span<const glm::vec3> pos_texture)
+{
+    check_sdf(map);
+    const shader::InputScope scope({&map, nullptr});
+    shader::Tile tile{};
+    tile.sdf_nodes = glm::vec3(map.sdf_nodes);
+    std::vector<float> distances(pos_texture.size());
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+        distances[i] = shader::lookup_sdf(tile, pos_texture[i]);
+    }
+    return distances;
+}
+
+std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& origin, const glm::vec3& dir, float t_near)
+{
+    const shader::InputScope scope({nullptr, &prism});
+    const shader::PrismSpans spans = shader::prism_spans(shader::load_prism(0), origin, dir, t_near);
+    std::vector<PrismSpan> result;
+    for (int i = 0; i < spans.count; ++i) {
+        result.push_back({spans.t_in[i], spans.t_out[i], spans.q_in[i], spans.q_out[i]});
+    }
+    return result;
+}
+
+glm::vec3 prism_position(const PrismTexels& prism, const glm::vec3& q)
+{
+    const shader::InputScope scope({nullptr, &prism});
+    return shader::prism_position(shader::load_prism(0), q);
+}
+
+}  // namespace mesoshell

@@ -1,0 +1,115 @@
+// The shader text of shaders/lib as C++: compiled once, here, in a namespace of its own, over fetches from a map and a shell.
+//
+// GLSL functions take no context, so the arrays they fetch from are those of the calling thread's ShaderInputs.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/glm.hpp>
+
+#include "mesoshell/compress.h"
+#include "mesoshell/interface.h"
+#include "mesoshell/shell.h"
+
+namespace mesoshell::shader {
+
+struct ShaderInputs {
+    const Map* map = nullptr;
+    const PrismTexels* prisms = nullptr;
+};
+
+inline thread_local ShaderInputs inputs;
+
+// Sets the calling thread's inputs for its lifetime.
+class InputScope {
+public:
+    explicit InputScope(const ShaderInputs& scoped) : before_(inputs) { inputs = scoped; }
+    ~InputScope() { inputs = before_; }
+    InputScope(const InputScope&) = delete;
+    InputScope& operator=(const InputScope&) = delete;
+
+private:
+    ShaderInputs before_;
+};
+
+// The two nodes around a coordinate and the share of the second, on a periodic axis or one that clamps.
+struct Bracket {
+    int low;
+    int high;
+    float share;
+};
+
+inline Bracket periodic_bracket(float node, int count)
+{
+    const float below = std::floor(node);
+    const int low = static_cast<int>(below) % count;
+    return {low, (low + 1) % count, node - below};
+}
+
+inline Bracket clamped_bracket(float node, int count)
+{
+    const float inside = std::clamp(node, 0.0f, static_cast<float>(count - 1));
+    const int low = std::min(static_cast<int>(inside), count - 1);
+    return {low, std::min(low + 1, count - 1), inside - static_cast<float>(low)};
+}
+
+inline float trilinear(const float* values, int nx, int ny, const Bracket& x, const Bracket& y, const Bracket& z)
+{
+    const auto row = [&](int iz, int iy) {
+        const float* line = values + (static_cast<std::size_t>(iz) * ny + iy) * nx;
+        return glm::mix(line[x.low], line[x.high], x.share);
+    };
+    const float low = glm::mix(row(z.low, y.low), row(z.low, y.high), y.share);
+    const float high = glm::mix(row(z.high, y.low), row(z.high, y.high), y.share);
+    return glm::mix(low, high, z.share);
+}
+
+using namespace glm;  // NOLINT: the shader text speaks GLSL
+
+#include "../../shaders/lib/pixel.glsl"
+
+inline vec4 fetch_prism_texel(int prism, int texel)
+{
+    return inputs.prisms[prism][static_cast<std::size_t>(texel)];
+}
+
+inline vec4 fetch_gdm_weights(vec3 node, int group)
+{
+    const Map& map = *inputs.map;
+    const glm::ivec3& nodes = map.resolution.nodes;
+    const std::size_t slice = static_cast<std::size_t>(map.resolution.nphi) * nodes.y * nodes.x;
+    const Bracket x = periodic_bracket(node.x, nodes.x);
+    const Bracket y = periodic_bracket(node.y, nodes.y);
+    const Bracket phi = periodic_bracket(node.z, map.resolution.nphi);
+    vec4 four(0.0f);
+    for (int i = 0; i < 4 && 4 * group + i < map.terms; ++i) {
+        four[i] = trilinear(map.weights.data() + (4 * group + i) * slice, nodes.x, nodes.y, x, y, phi);
+    }
+    return four;
+}
+
+inline vec4 fetch_gdm_eigenmaps(vec2 node, int group)
+{
+    const Map& map = *inputs.map;
+    const int nz = map.resolution.nodes.z;
+    const std::size_t slice = static_cast<std::size_t>(map.resolution.ntheta) * nz;
+    const Bracket z = clamped_bracket(node.x, nz);
+    const Bracket theta = clamped_bracket(node.y, map.resolution.ntheta);
+    const Bracket only{0, 0, 0.0f};
+    vec4 four(0.0f);
+    for (int i = 0; i < 4 && 4 * group + i < map.terms; ++i) {
+        four[i] = trilinear(map.eigenmaps.data() + (4 * group + i) * slice, nz, map.resolution.ntheta, z, theta, only);
+    }
+    return four;
+}
+
+inline float fetch_sdf(vec3 node)
+{
+    const Map& map = *inputs.map;
+    const glm::ivec3& nodes = map.sdf_nodes;
+    return trilinear(map.sdf.data(), nodes.x, nodes.y, periodic_bracket(node.x, nodes.x), periodic_bracket(node.y, nodes.y),
+                     clamped_bracket(node.z, nodes.z));
+}
+
+}  // namespace mesoshell::shader

@@ -1,0 +1,369 @@
+#include "mesoshell/store.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <OpenEXR/IexErrnoExc.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <Imath/ImathBox.h>
+
+#include "half.h"
+
+namespace mesoshell {
+namespace {
+
+constexpr int format_version = 1;
+
+// An array's dimensions, with leading ones: [rows of slices, columns of slices, slice height, slice width].
+struct Shape {
+    int rows = 1;
+    int columns = 1;
+    int height = 1;
+    int width = 1;
+
+    std::size_t count() const { return std::size_t(rows) * columns * height * width; }
+    std::int64_t picture_width() const { return std::int64_t(columns) * width; }
+    std::int64_t picture_height() const { return std::int64_t(rows) * height; }
+    std::string text() const
+    {
+        return std::to_string(rows) + " " + std::to_string(columns) + " " + std::to_string(height) + " " +
+               std::to_string(width);
+    }
+};
+
+struct Part {
+    const char* name;
+    Shape shape;
+    const std::vector<float>* values;
+};
+
+Shape weights_shape(const Map& map)
+{
+    return {map.terms, map.resolution.nphi, map.resolution.nodes.y, map.resolution.nodes.x};
+}
+
+Shape eigenmaps_shape(const Map& map)
+{
+    return {1, map.terms, map.resolution.ntheta, map.resolution.nodes.z};
+}
+
+Shape sdf_shape(const Map& map)
+{
+    return {1, map.sdf_nodes.z, map.sdf_nodes.y, map.sdf_nodes.x};
+}
+
+// Calls copy(array index, picture index, length) for every row of every slice.
+template <typename Copy>
+void for_each_row(const Shape& shape, const Copy& copy)
+{
+    std::size_t array_index = 0;
+    for (int row = 0; row < shape.rows; ++row) {
+        for (int column = 0; column < shape.columns; ++column) {
+            for (int y = 0; y < shape.height; ++y, array_index += shape.width) {
+                copy(array_index,
+                     (std::size_t(row) * shape.height + y) * shape.picture_width() + std::size_t(column) * shape.width,
+                     shape.width);
+            }
+        }
+    }
+}
+
+std::string checksum(const std::vector<float>& values)
+{
+    std::uint64_t hash = 0xCBF29CE484222325u;
+    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+    for (std::size_t i = 0; i < values.size() * sizeof(float); ++i) {
+        hash = (hash ^ bytes[i]) * 0x100000001B3u;
+    }
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+    return text;
+}
+
+// --- Writing ---
+
+// OpenEXR wants one display window for all parts; the data windows differ.
+Imf::Header make_header(const Map& map, const Part& part, const Imath::Box2i& display_window)
+{
+    Imf::Header header(static_cast<int>(part.shape.picture_width()), static_cast<int>(part.shape.picture_height()));
+    header.displayWindow() = display_window;
+    header.setName(part.name);
+    header.setType(Imf::SCANLINEIMAGE);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    header.channels().insert("Y", Imf::Channel(map.precision == Precision::half ? Imf::HALF : Imf::FLOAT));
+    header.insert("mesoshell:version", Imf::IntAttribute(format_version));
+    header.insert("mesoshell:shape", Imf::StringAttribute(part.shape.text()));
+    header.insert("mesoshell:checksum", Imf::StringAttribute(checksum(*part.values)));
+    header.insert("mesoshell:units", Imf::StringAttribute("tile widths"));
+    header.insert("mesoshell:height", Imf::FloatAttribute(map.height));
+    header.insert("mesoshell:aspect", Imf::FloatAttribute(map.aspect));
+    header.insert("mesoshell:rmse", Imf::FloatAttribute(map.rmse));
+    header.insert("mesoshell:maxError", Imf::FloatAttribute(map.max_error));
+    return header;
+}
+
+void write_part(Imf::MultiPartOutputFile& file, int index, const Map& map, const Part& part)
+{
+    const bool half = map.precision == Precision::half;
+    const std::size_t size = half ? sizeof(Imath::half) : sizeof(float);
+    std::vector<char> picture(part.shape.count() * size);
+    for_each_row(part.shape, [&](std::size_t from, std::size_t to, int length) {
+        for (int i = 0; i < length; ++i) {
+            const float value = (*part.values)[from + i];
+            if (half) {
+                reinterpret_cast<Imath::half*>(picture.data())[to + i] = Imath::half(value);
+            } else {
+                reinterpret_cast<float*>(picture.data())[to + i] = value;
+            }
+        }
+    });
+    Imf::FrameBuffer buffer;
+    buffer.insert("Y", Imf::Slice(half ? Imf::HALF : Imf::FLOAT, picture.data(), size, size * part.shape.picture_width()));
+    Imf::OutputPart output(file, index);
+    output.setFrameBuffer(buffer);
+    output.writePixels(static_cast<int>(part.shape.picture_height()));
+}
+
+[[noreturn]] void throw_errno(const std::string& path)
+{
+    throw FileError(errno != 0 ? errno : EIO, path);
+}
+
+void flush_to_disk(const std::string& path)
+{
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool flushed = file >= 0 && fsync(file) == 0;
+    const int code = errno;
+    if (file >= 0) {
+        close(file);
+    }
+    if (!flushed) {
+        errno = code;
+        throw_errno(path);
+    }
+}
+
+// Removes the temporary file unless it was renamed.
+class TemporaryFile {
+public:
+    explicit TemporaryFile(const std::string& target)
+        : target_(target), path_(target + ".part-" + std::to_string(getpid()))
+    {
+        // OpenEXR says only that it failed; this says why.
+        const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+        if (file < 0) {
+            throw_errno(target);
+        }
+        close(file);
+    }
+    ~TemporaryFile()
+    {
+        if (!path_.empty()) {
+            unlink(path_.c_str());
+        }
+    }
+    const std::string& path() const { return path_; }
+    void keep()
+    {
+        flush_to_disk(path_);
+        if (std::rename(path_.c_str(), target_.c_str()) != 0) {
+            throw_errno(target_);
+        }
+        path_.clear();
+    }
+
+private:
+    std::string target_;
+    std::string path_;
+};
+
+// --- Reading ---
+
+[[noreturn]] void refuse(const std::string& path, const std::string& why)
+{
+    throw Error(path + " is not a usable map: " + why + "; bake it again");
+}
+
+template <typename Attribute>
+typename std::remove_reference_t<decltype(std::declval<Attribute>().value())> attribute(const Imf::Header& header,
+                                                                                        const char* name,
+                                                                                        const std::string& path)
+{
+    const auto* found = header.findTypedAttribute<Attribute>(name);
+    if (found == nullptr) {
+        refuse(path, std::string("it has no attribute ") + name);
+    }
+    return found->value();
+}
+
+Shape read_shape(const Imf::Header& header, const std::string& path, std::uintmax_t file_size)
+{
+    const std::string text = attribute<Imf::StringAttribute>(header, "mesoshell:shape", path);
+    Shape shape;
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%d %d %d %d%n", &shape.rows, &shape.columns, &shape.height, &shape.width, &used) != 4 ||
+        static_cast<std::size_t>(used) != text.size() || std::min(shape.rows, shape.columns) < 1 ||
+        std::min(shape.height, shape.width) < 1 || shape.picture_width() > INT_MAX || shape.picture_height() > INT_MAX) {
+        refuse(path, "the shape '" + text + "' makes no sense");
+    }
+    const auto& window = header.dataWindow();
+    if (window.min.x != 0 || window.min.y != 0 || window.max.x + std::int64_t(1) != shape.picture_width() ||
+        window.max.y + std::int64_t(1) != shape.picture_height()) {
+        refuse(path, "the shape '" + text + "' does not fit its picture");
+    }
+    // Deflate packs at most about 1030 to 1, so a small file cannot ask for much memory.
+    if (static_cast<double>(shape.picture_width()) * static_cast<double>(shape.picture_height()) >
+        1100.0 * static_cast<double>(file_size)) {
+        refuse(path, "it promises more data than it can hold");
+    }
+    return shape;
+}
+
+std::vector<float> read_part(Imf::MultiPartInputFile& file, int index, const Shape& shape, const std::string& path)
+{
+    const Imf::Header& header = file.header(index);
+    if (header.channels().findChannel("Y") == nullptr) {
+        refuse(path, "part " + header.name() + " has no channel Y");
+    }
+    std::vector<float> picture(shape.count());
+    Imf::FrameBuffer buffer;
+    buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(picture.data()), sizeof(float),
+                                  sizeof(float) * shape.picture_width()));
+    Imf::InputPart input(file, index);
+    input.setFrameBuffer(buffer);
+    input.readPixels(0, static_cast<int>(shape.picture_height()) - 1);
+    std::vector<float> values(shape.count());
+    for_each_row(shape, [&](std::size_t to, std::size_t from, int length) {
+        std::copy_n(picture.begin() + from, length, values.begin() + to);
+    });
+    if (checksum(values) != attribute<Imf::StringAttribute>(header, "mesoshell:checksum", path)) {
+        refuse(path, "part " + header.name() + " does not match its checksum");
+    }
+    return values;
+}
+
+Map read_map(const std::string& path)
+{
+    Imf::MultiPartInputFile file(path.c_str(), 0);
+    const std::uintmax_t file_size = std::filesystem::file_size(path);
+    std::optional<int> parts[3];
+    const char* names[3] = {"gdm.weights", "gdm.eigenmaps", "sdf"};
+    for (int i = 0; i < file.parts(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            if (file.header(i).hasName() && file.header(i).name() == names[k]) {
+                parts[k] = i;
+            }
+        }
+    }
+    if (!parts[0] || !parts[1]) {
+        refuse(path, "it has no parts gdm.weights and gdm.eigenmaps");
+    }
+    const Imf::Header& header = file.header(*parts[0]);
+    const int version = attribute<Imf::IntAttribute>(header, "mesoshell:version", path);
+    if (version != format_version) {
+        refuse(path, "it has format version " + std::to_string(version) + ", this build reads version " +
+                         std::to_string(format_version));
+    }
+    Map map;
+    map.height = attribute<Imf::FloatAttribute>(header, "mesoshell:height", path);
+    map.aspect = attribute<Imf::FloatAttribute>(header, "mesoshell:aspect", path);
+    map.rmse = attribute<Imf::FloatAttribute>(header, "mesoshell:rmse", path);
+    map.max_error = attribute<Imf::FloatAttribute>(header, "mesoshell:maxError", path);
+    if (!(map.height > 0.0f && map.height < 1e6f && map.aspect > 0.0f && map.aspect < 1e6f)) {
+        refuse(path, "its height or aspect makes no sense");
+    }
+    const Shape weights = read_shape(header, path, file_size);
+    const Shape eigenmaps = read_shape(file.header(*parts[1]), path, file_size);
+    if (weights.rows != eigenmaps.columns || eigenmaps.rows != 1 || std::min(eigenmaps.height, eigenmaps.width) < 2 ||
+        std::min(weights.height, weights.width) < 2) {
+        refuse(path, "its weights and eigenmaps do not belong together");
+    }
+    map.terms = weights.rows;
+    map.resolution.nphi = weights.columns;
+    map.resolution.nodes = glm::ivec3(weights.width, weights.height, eigenmaps.width);
+    map.resolution.ntheta = eigenmaps.height;
+    const Imf::Channel* channel = header.channels().findChannel("Y");
+    map.precision = channel != nullptr && channel->type == Imf::HALF ? Precision::half : Precision::single;
+    map.weights = read_part(file, *parts[0], weights, path);
+    map.eigenmaps = read_part(file, *parts[1], eigenmaps, path);
+    if (parts[2]) {
+        const Shape sdf = read_shape(file.header(*parts[2]), path, file_size);
+        if (sdf.rows != 1 || std::min(sdf.columns, std::min(sdf.height, sdf.width)) < 2) {
+            refuse(path, "its distance field has too few nodes");
+        }
+        map.sdf_nodes = glm::ivec3(sdf.width, sdf.height, sdf.columns);
+        map.sdf = read_part(file, *parts[2], sdf, path);
+    }
+    return map;
+}
+
+}  // namespace
+
+void save_map(const Map& map, const std::string& path)
+{
+    std::vector<Part> parts{{"gdm.weights", weights_shape(map), &map.weights},
+                            {"gdm.eigenmaps", eigenmaps_shape(map), &map.eigenmaps}};
+    if (!map.sdf.empty()) {
+        parts.push_back({"sdf", sdf_shape(map), &map.sdf});
+    }
+    Imath::Box2i display_window(Imath::V2i(0, 0), Imath::V2i(0, 0));
+    for (const Part& part : parts) {
+        if (part.shape.picture_width() > INT_MAX || part.shape.picture_height() > INT_MAX) {
+            throw InvalidArgument(std::string(part.name) + " is too large for one picture; use fewer terms or nodes");
+        }
+        display_window.extendBy(Imath::V2i(static_cast<int>(part.shape.picture_width()) - 1,
+                                           static_cast<int>(part.shape.picture_height()) - 1));
+    }
+    std::vector<Imf::Header> headers;
+    for (const Part& part : parts) {
+        headers.push_back(make_header(map, part, display_window));
+    }
+    TemporaryFile temporary(path);
+    try {
+        Imf::MultiPartOutputFile file(temporary.path().c_str(), headers.data(), static_cast<int>(headers.size()), false, 0);
+        for (int i = 0; i < static_cast<int>(parts.size()); ++i) {
+            write_part(file, i, map, parts[i]);
+        }
+    } catch (const Iex::ErrnoExc&) {
+        throw_errno(path);
+    } catch (const Iex::BaseExc& problem) {
+        throw Error(path + " could not be written: " + problem.what() + "; save it elsewhere");
+    }
+    temporary.keep();
+}
+
+Map load_map(const std::string& path)
+{
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) {
+        throw_errno(path);
+    }
+    close(file);
+    try {
+        return read_map(path);
+    } catch (const Iex::BaseExc& problem) {
+        refuse(path, problem.what());
+    } catch (const std::filesystem::filesystem_error& problem) {
+        throw FileError(problem.code().value(), path);
+    }
+}
+
+}  // namespace mesoshell

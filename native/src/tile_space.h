@@ -1,0 +1,24 @@
+// The infinite periodic tile as every bake asks about it: where rays may end, what lies inside.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "embree_scene.h"
+#include "mesoshell/job.h"
+#include "mesoshell/sample.h"
+
+namespace mesoshell {
+
+// The copies of the tile that anything within `reach` tile widths, sideways, of the unit tile may meet.
+TriangleScene::Lattice lattice_within(const Sample& sample, float reach);
+
+// Distance from z along a direction with vertical part dir_z to where it leaves the slab; at most horizon_distance.
+float slab_exit(float z, float dir_z, float height);
+
+// 1 where a node (x, y, z) of an [nz, ny, nx] grid lies in the solid.
+std::vector<std::uint8_t> classify_inside(const Sample& sample, const glm::ivec3& nodes, Job& job);
+
+}  // namespace mesoshell

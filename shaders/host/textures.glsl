@@ -1,0 +1,28 @@
+// The fetches of lib/ on a GPU: every sampler of the draw program is touched here and nowhere else.
+// Filtering is trilinear and clamps to the edge; periodic axes carry one repeated node at their end.
+
+vec4 fetch_prism_texel(int prism, int texel)
+{
+    int prisms_per_row = 256;
+    return texelFetch(prism_table, ivec2((prism % prisms_per_row) * 8 + texel, prism / prisms_per_row), 0);
+}
+
+vec4 fetch_gdm_weights(vec3 node, int group)
+{
+    vec3 size = vec3(params.gdm_nodes.x + 1.0f, params.gdm_nodes.y + 1.0f,
+                     params.gdm_nodes.w * (params.gdm_directions.y + 1.0f));
+    vec3 stacked = vec3(node.x, node.y, node.z + float(group) * (params.gdm_directions.y + 1.0f));
+    return textureLod(gdm_weights, (stacked + 0.5f) / size, 0.0f);
+}
+
+vec4 fetch_gdm_eigenmaps(vec2 node, int group)
+{
+    vec3 size = vec3(params.gdm_nodes.z, params.gdm_directions.x, params.gdm_nodes.w);
+    return textureLod(gdm_eigenmaps, (vec3(node, float(group)) + 0.5f) / size, 0.0f);
+}
+
+float fetch_sdf(vec3 node)
+{
+    vec3 size = vec3(params.sdf_nodes.x + 1.0f, params.sdf_nodes.y + 1.0f, params.sdf_nodes.z);
+    return textureLod(sdf_volume, (node + 0.5f) / size, 0.0f).x;
+}

@@ -1,0 +1,51 @@
+// A ray against the mesostructure inside one prism: the unit of work of a fragment, and of a leaf of the reference renderer.
+#ifndef MESOSHELL_LIB_SHELL_HIT
+#define MESOSHELL_LIB_SHELL_HIT
+
+#include "prism_path.glsl"
+#include "traverse.glsl"
+
+struct ShellHit {
+    bool hit;
+    float t;              // ray parameter
+    vec3 q;               // prism coordinates
+    vec3 pos_texture;
+    int fetches;
+};
+
+// Rays and prisms are in object space; dir has unit length.
+ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int traversal, Tile tile, Tolerance tolerance)
+{
+    ShellHit result;
+    result.hit = false;
+    result.t = 0.0f;
+    result.q = vec3(0.0f);
+    result.pos_texture = vec3(0.0f);
+    result.fetches = 0;
+    PrismSpans spans = prism_spans(prism, origin, dir, t_near);
+    for (int i = 0; i < spans.count; ++i) {
+        vec3 entry_texture = prism_texture(prism, spans.q_in[i]);
+        vec3 exit_texture = prism_texture(prism, spans.q_out[i]);
+        SegmentHit segment = traverse(traversal, tile, tolerance, entry_texture, exit_texture);
+        result.fetches += segment.fetches;
+        if (segment.hit) {
+            // The chord in texture space is not quite the ray; the hit is its foot on the ray, so that depth stays on the pixel.
+            result.hit = true;
+            result.q = mix(spans.q_in[i], spans.q_out[i], segment.along);
+            result.pos_texture = mix(entry_texture, exit_texture, segment.along);
+            result.t = clamp(dot(prism_position(prism, result.q) - origin, dir), spans.t_in[i], spans.t_out[i]);
+            break;
+        }
+    }
+    return result;
+}
+
+// Outward unit normal in object space at a hit.
+vec3 hit_normal(Prism prism, ShellHit hit, Tile tile)
+{
+    vec3 normal = prism_normal(prism, hit.q, tile.scale, sdf_gradient(tile, hit.pos_texture));
+    float size = length(normal);
+    return size > 0.0f ? normal / size : vec3(0.0f, 0.0f, 1.0f);
+}
+
+#endif

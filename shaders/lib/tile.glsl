@@ -1,0 +1,73 @@
+// What a baked tile is to the traversals: its measures, its grids, and lookups in them.
+//
+// GDM paper, section 4.1: d(x, y, z, theta, phi) = sum over i of W_i(x, y, phi) E_i(theta, z). Interpolating W and E each on its
+// own grid interpolates their product in all five dimensions.
+#ifndef MESOSHELL_LIB_TILE
+#define MESOSHELL_LIB_TILE
+
+struct Tile {
+    vec3 scale;          // metric texture space = texture space * scale = (1, aspect, height)
+    vec3 gdm_nodes;      // nx, ny, nz
+    vec2 gdm_directions; // ntheta, nphi
+    int gdm_groups;      // SVD terms / 4, rounded up
+    vec3 sdf_nodes;      // nodes of the distance field along u, v, w
+};
+
+// The host defines these. Node coordinates: x and y in [0, n], the last node repeating the first; phi in [0, nphi] likewise;
+// z, theta in [0, n - 1]. Four SVD terms come back at once.
+vec4 fetch_gdm_weights(vec3 node, int group);
+vec4 fetch_gdm_eigenmaps(vec2 node, int group);
+float fetch_sdf(vec3 node);
+
+const float TWO_PI = 6.28318530718f;
+const float PI = 3.14159265359f;
+
+// (theta, phi) of a unit vector: theta from +w in [0, pi], phi from +u toward +v in [0, 2 pi).
+vec2 direction_angles(vec3 dir)
+{
+    float theta = acos(clamp(dir.z, -1.0f, 1.0f));
+    float phi = 0.0f;
+    if (dir.x != 0.0f || dir.y != 0.0f) {
+        phi = atan(dir.y, dir.x);
+    }
+    if (phi < 0.0f) {
+        phi += TWO_PI;
+    }
+    return vec2(theta, phi);
+}
+
+// Distance in tile widths from a point of texture space along a unit direction of metric texture space.
+float lookup_gdm(Tile tile, vec3 pos_texture, vec3 dir_metric)
+{
+    vec2 angles = direction_angles(dir_metric);
+    vec3 weight_node = vec3(fract(pos_texture.x) * tile.gdm_nodes.x, fract(pos_texture.y) * tile.gdm_nodes.y,
+                            angles.y / TWO_PI * tile.gdm_directions.y);
+    vec2 eigen_node = vec2(clamp(pos_texture.z, 0.0f, 1.0f) * (tile.gdm_nodes.z - 1.0f),
+                           angles.x / PI * (tile.gdm_directions.x - 1.0f));
+    float sum = 0.0f;
+    for (int group = 0; group < tile.gdm_groups; ++group) {
+        sum += dot(fetch_gdm_weights(weight_node, group), fetch_gdm_eigenmaps(eigen_node, group));
+    }
+    return max(sum, 0.0f);
+}
+
+// Signed distance in tile widths, negative inside.
+float lookup_sdf(Tile tile, vec3 pos_texture)
+{
+    return fetch_sdf(vec3(fract(pos_texture.x) * tile.sdf_nodes.x, fract(pos_texture.y) * tile.sdf_nodes.y,
+                          clamp(pos_texture.z, 0.0f, 1.0f) * (tile.sdf_nodes.z - 1.0f)));
+}
+
+// Gradient of the distance field in metric texture space, by central differences over one voxel.
+vec3 sdf_gradient(Tile tile, vec3 pos_texture)
+{
+    vec3 gradient;
+    for (int axis = 0; axis < 3; ++axis) {
+        vec3 offset = vec3(0.0f);
+        offset[axis] = 0.5f / tile.sdf_nodes.x / tile.scale[axis];
+        gradient[axis] = lookup_sdf(tile, pos_texture + offset) - lookup_sdf(tile, pos_texture - offset);
+    }
+    return gradient;
+}
+
+#endif

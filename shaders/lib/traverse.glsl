@@ -1,0 +1,79 @@
+// Ways to find where a segment of texture space meets the tile: the paper's single lookup, and sphere tracing.
+#ifndef MESOSHELL_LIB_TRAVERSE
+#define MESOSHELL_LIB_TRAVERSE
+
+#include "tile.glsl"
+
+const int TRAVERSAL_GDM = 0;
+const int TRAVERSAL_SDF = 1;
+
+struct Tolerance {
+    float gdm_hit;  // tile widths: how far from the surface the end of a GDM lookup may lie and still be a hit
+    float sdf_hit;  // tile widths: sphere tracing ends this close to the surface
+    int sdf_steps;  // at most
+};
+
+struct SegmentHit {
+    bool hit;
+    float along;  // 0 where the segment enters, 1 where it leaves
+    int fetches;  // texture instructions
+};
+
+// GDM paper, section 3.2: one lookup at the entry. Rays that meet nothing hold the distance to where they leave the slab
+// (section 4.1), so the end point is asked whether there is a surface.
+SegmentHit traverse_gdm(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture)
+{
+    SegmentHit result;
+    result.hit = false;
+    result.along = 1.0f;
+    result.fetches = 0;
+    vec3 span_metric = (exit_texture - entry_texture) * tile.scale;
+    float span_length = length(span_metric);
+    if (span_length == 0.0f) {
+        return result;
+    }
+    float distance = lookup_gdm(tile, entry_texture, span_metric / span_length);
+    result.fetches = 2 * tile.gdm_groups;
+    if (distance < span_length) {
+        result.along = distance / span_length;
+        result.hit = lookup_sdf(tile, mix(entry_texture, exit_texture, result.along)) < tolerance.gdm_hit;
+        result.fetches += 1;
+    }
+    return result;
+}
+
+// Hart 1996, "Sphere tracing": a step as long as the distance to the nearest surface crosses none.
+SegmentHit traverse_sdf(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture)
+{
+    SegmentHit result;
+    result.hit = false;
+    result.along = 0.0f;
+    result.fetches = 0;
+    float span_length = length((exit_texture - entry_texture) * tile.scale);
+    float travelled = 0.0f;
+    while (result.fetches < tolerance.sdf_steps) {
+        float along = span_length > 0.0f ? travelled / span_length : 0.0f;
+        float distance = lookup_sdf(tile, mix(entry_texture, exit_texture, along));
+        result.fetches += 1;
+        if (distance < tolerance.sdf_hit) {
+            result.hit = true;
+            result.along = along;
+            break;
+        }
+        travelled += distance;
+        if (travelled >= span_length) {
+            break;
+        }
+    }
+    return result;
+}
+
+SegmentHit traverse(int traversal, Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture)
+{
+    if (traversal == TRAVERSAL_GDM) {
+        return traverse_gdm(tile, tolerance, entry_texture, exit_texture);
+    }
+    return traverse_sdf(tile, tolerance, entry_texture, exit_texture);
+}
+
+#endif

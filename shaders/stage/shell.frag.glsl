@@ -1,0 +1,34 @@
+// One fragment: the ray of the pixel against the mesostructure in this prism, with the hit's own depth.
+// The rasterized hull only says which prisms a pixel may meet; where the ray enters and leaves is found exactly here.
+#include "../lib/pixel.glsl"
+#include "../host/textures.glsl"
+
+void main()
+{
+    vec3 origin = ray_origin(params.eye_object, pos_object);
+    vec3 dir = ray_direction(params.eye_object, pos_object);
+    float t_near = ray_near(clip_from_object, origin, dir);
+    Tile tile = tile_of(params);
+    Prism prism = load_prism(prism_id);
+    ShellHit hit = trace_prism(prism, origin, dir, t_near, params.mode.x, tile, tolerance_of(params));
+    if (!hit.hit) {
+        discard;
+    }
+    float depth = window_depth(clip_from_object, origin + dir * hit.t);
+    if (depth > 1.0f) {
+        discard;
+    }
+    gl_FragDepth = depth;
+
+    if (params.mode.y == OUTPUT_TEXTURE) {
+        frag_color = vec4(hit.pos_texture, seen_distance(params.eye_object, hit.t, t_near));
+    } else {
+        vec3 normal_object = hit_normal(prism, hit, tile);
+        if (params.mode.y == OUTPUT_NORMAL) {
+            frag_color = vec4(normal_object, float(hit.fetches));
+        } else {
+            vec3 color = hit_color(params, normal_object);
+            frag_color = vec4(params.mode.z == 1 ? encode_srgb(color) : color, 1.0f);
+        }
+    }
+}

@@ -1,0 +1,26 @@
+"""Every panel draws in every state; a second Blender shows them, children/panels.py is what runs in it."""
+
+import json
+import subprocess
+
+import pytest
+import session
+
+
+@pytest.mark.window
+def test_panels_draw_in_every_state(native, map_file, tmp_path):
+    result = tmp_path / "panels.json"
+    child = subprocess.run(
+        [*session.blender_arguments(), "--python", str(session.ROOT / "tests" / "blender" / "children" / "panels.py"), "--",
+         str(map_file), str(tmp_path), str(result)],
+        env=session.blender_environment(), capture_output=True, text=True, timeout=240)
+    assert result.exists(), child.stdout[-3000:] + child.stderr[-3000:]
+    seen = json.loads(result.read_text())
+    assert not seen["errors"], "\n".join(seen["errors"][0])
+    states = {"nothing active", "a tile and a surface", "a bake that runs", "a bake that failed", "a shell",
+              "a shell that lost its map"}
+    names = {"MESOSHELL_PT_bake", "MESOSHELL_PT_bake_quality", "MESOSHELL_PT_shell"}
+    assert {tuple(pair) for pair in seen["drawn"]} == {(state, name) for state in states for name in names}
+    # Blender prints what the layout itself refuses, such as a property that is not there.
+    output = child.stdout + child.stderr
+    assert "rna_uiItem" not in output and "Traceback" not in output, output[-3000:]
