@@ -9,6 +9,9 @@ from pathlib import Path
 
 PASSED, FAILED, SKIPPED = "passed", "failed", "skipped"
 
+# Failures of a layer that are printed at length; of the others only the last line.
+SHOWN = 8
+
 
 @dataclass
 class Case:
@@ -104,11 +107,13 @@ def print_layers(layers: list[Layer]) -> None:
         shown = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
         print(f"\nskipped in {layer}: {shown}\n    {reason}")
     for x in layers:
-        for case in x.cases:
-            if case.status == FAILED:
-                lines = case.message.strip().splitlines() or ["no message"]
-                if len(lines) > 60:
-                    lines = [*lines[:20], f"… {len(lines) - 60} lines left out …", *lines[-40:]]
-                print(f"\nFAILED in {x.name}: {case.name}")
-                print("\n".join(f"    {line}" for line in lines))
+        failed = [c for c in x.cases if c.status == FAILED]
+        for number, case in enumerate(failed):
+            lines = case.message.strip().splitlines() or ["no message"]
+            if number >= SHOWN:
+                lines = lines[-1:]
+            elif len(lines) > 60:
+                lines = [*lines[:20], f"… {len(lines) - 60} lines left out …", *lines[-40:]]
+            print(f"\nFAILED in {x.name}: {case.name}")
+            print("\n".join(f"    {line}" for line in lines))
     print()

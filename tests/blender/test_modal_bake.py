@@ -21,7 +21,7 @@ def run(action, tmp_path):
         [*session.blender_arguments(), "--enable-event-simulate",
          "--python", str(session.ROOT / "tests" / "blender" / "children" / "modal_bake.py"), "--",
          action, str(folder), str(result)],
-        env=session.blender_environment(), capture_output=True, text=True, timeout=240)
+        env=session.blender_environment(), capture_output=True, text=True, errors="replace", timeout=240)
     output = child.stdout[-3000:] + child.stderr[-3000:]
     assert result.exists(), output
     seen = json.loads(result.read_text())
@@ -57,7 +57,7 @@ def test_it_can_be_cancelled(tmp_path, action):
     assert files == set(), "nothing is saved, not even half of it"
     assert "cancelled" in seen["report"] and not seen["failed"]
     assert seen["jobs_left"] == 0
-    assert seen["ended_at"] - seen["acted_at"] < 1.0
+    assert max(seen["fractions"][:-1]) < 0.9 and seen["ended_at"] - seen["acted_at"] < 3.0, "it ended, and was not cancelled"
 
 
 def test_undo_meanwhile_is_safe(tmp_path):

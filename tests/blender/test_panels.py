@@ -13,7 +13,7 @@ def test_panels_draw_in_every_state(native, map_file, tmp_path):
     child = subprocess.run(
         [*session.blender_arguments(), "--python", str(session.ROOT / "tests" / "blender" / "children" / "panels.py"), "--",
          str(map_file), str(tmp_path), str(result)],
-        env=session.blender_environment(), capture_output=True, text=True, timeout=240)
+        env=session.blender_environment(), capture_output=True, text=True, errors="replace", timeout=240)
     assert result.exists(), child.stdout[-3000:] + child.stderr[-3000:]
     seen = json.loads(result.read_text())
     assert not seen["errors"], "\n".join(seen["errors"][0])
@@ -23,4 +23,5 @@ def test_panels_draw_in_every_state(native, map_file, tmp_path):
     assert {tuple(pair) for pair in seen["drawn"]} == {(state, name) for state in states for name in names}
     # Blender prints what the layout itself refuses, such as a property that is not there.
     output = child.stdout + child.stderr
+    print(output)
     assert "rna_uiItem" not in output and "Traceback" not in output, output[-3000:]

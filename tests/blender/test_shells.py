@@ -311,7 +311,7 @@ def test_a_saved_file_keeps_it_all(map_file, tmp_path):
         [*session.blender_arguments(), "--background", "--python-exit-code", "1",
          "--python", str(session.ROOT / "tests" / "blender" / "children" / "reload.py"), "--",
          str(map_file), str(tmp_path), str(found_path)],
-        env=session.blender_environment(), capture_output=True, text=True, timeout=180)
+        env=session.blender_environment(), capture_output=True, text=True, errors="replace", timeout=180)
     assert run.returncode == 0, run.stdout[-3000:] + run.stderr[-3000:]
     found = json.loads(found_path.read_text())
     assert found["tile"] == pytest.approx([1, scenes.WIDTH, scenes.WIDTH * scenes.ASPECT, scenes.WIDTH * scenes.HEIGHT])

@@ -1,0 +1,45 @@
+"""Shell and map as the textures of the draw program: which texel holds what. Knows no GPU; C-contiguous float32 throughout.
+
+Each function returns an array [depth, height, width, channels] or [height, width, channels]; a periodic axis ends with one
+repeated node, so that filtering that clamps to the edge is periodic filtering.
+"""
+
+import numpy
+
+PRISMS_PER_ROW = 256  # shaders/host/textures.glsl counts on it
+
+
+def prism_table(prisms):
+    """RGBA32F [rows, 2048, 4] from a shell's prism table [p, 8, 4]; the rest of the last row is zero."""
+    rows = -(-len(prisms) // PRISMS_PER_ROW)
+    table = numpy.zeros((rows * PRISMS_PER_ROW, 8, 4), numpy.float32)
+    table[: len(prisms)] = prisms
+    return table.reshape(rows, PRISMS_PER_ROW * 8, 4)
+
+
+def gdm_weights(weights):
+    """RGBA16F [groups * (nphi + 1), ny + 1, nx + 1, 4] from weights [terms, nphi, ny, nx]; four terms a texel."""
+    grouped = _groups_of_four(weights)  # [groups, nphi, ny, nx, 4]
+    padded = numpy.pad(grouped, ((0, 0), (0, 1), (0, 1), (0, 1), (0, 0)), mode="wrap")
+    return numpy.ascontiguousarray(padded.reshape(-1, *padded.shape[2:]))
+
+
+def gdm_eigenmaps(eigenmaps):
+    """RGBA16F [groups, ntheta, nz, 4] from eigenmaps [terms, ntheta, nz]; four terms a texel."""
+    return numpy.ascontiguousarray(_groups_of_four(eigenmaps))
+
+
+def sdf_volume(sdf):
+    """R16F [mz, my + 1, mx + 1, 1] from a distance field [mz, my, mx]."""
+    return numpy.ascontiguousarray(numpy.pad(sdf, ((0, 0), (0, 1), (0, 1)), mode="wrap")[..., None])
+
+
+def hull_corners(prism_count):
+    """uint32 [6 * prism_count]: the vertex attribute `corner`."""
+    return numpy.arange(6 * prism_count, dtype=numpy.uint32)
+
+
+def _groups_of_four(terms):
+    missing = -len(terms) % 4
+    padded = numpy.concatenate([terms, numpy.zeros((missing, *terms.shape[1:]), numpy.float32)])
+    return numpy.moveaxis(padded.reshape(-1, 4, *terms.shape[1:]), 1, -1)

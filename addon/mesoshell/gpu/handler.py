@@ -1,0 +1,53 @@
+"""The draw handler of the 3D View: every visible shell, after Blender's own objects, against their depth."""
+
+import traceback
+
+import bpy
+import numpy
+
+from ..core import native
+from ..host import lights, shells
+from . import draw, program, resources
+
+_handle = None
+_problem = None
+
+
+def problem():
+    """The sentence of what keeps shells from being drawn, or None."""
+    return _problem
+
+
+def _draw():
+    global _problem
+    context = bpy.context
+    depsgraph = context.evaluated_depsgraph_get()
+    instances = shells.visible(depsgraph, context.space_data)
+    if not instances:
+        return
+    clip_from_world = numpy.array(context.region_data.perspective_matrix, numpy.float64)
+    try:
+        lit = lights.read(depsgraph)
+        for instance in instances:
+            draw.draw_shell(instance, clip_from_world, lit, encode_srgb=True)
+        _problem = None
+    except (RuntimeError, ValueError, native.NativeMissing) as error:
+        if _problem != str(error):  # once, not every frame
+            traceback.print_exc()
+        _problem = str(error)
+    resources.end_draw()
+
+
+def register():
+    global _handle
+    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+
+
+def unregister():
+    global _handle, _problem
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+        _handle = None
+    _problem = None
+    resources.forget()
+    program.forget()
