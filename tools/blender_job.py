@@ -21,19 +21,23 @@ SOFTWARE = {"LIBGL_ALWAYS_SOFTWARE": "1", "XDG_SESSION_TYPE": "x11"}
 
 @dataclass
 class Place:
-    """A folder for one series of Blender runs that share a home: preferences, installed add-ons, logs."""
+    """A folder for the logs and reports of one series of Blender runs, and the home that they share, with preferences and
+    installed add-ons: by default in the same folder."""
     machine: object
     folder: Path
+    home: Path | None = None
 
     def prepare(self) -> None:
         """Empties the folder: a fresh home."""
         shutil.rmtree(self.folder, ignore_errors=True)
+        self.folder.mkdir(parents=True)
+        self.home = self.home or self.folder
         for name in ("home", "tmp", "run"):
-            (self.folder / name).mkdir(parents=True)
-        (self.folder / "run").chmod(0o700)
+            (self.home / name).mkdir(parents=True)
+        (self.home / "run").chmod(0o700)
 
     def environment(self) -> dict[str, str]:
-        inside = self.machine.inside(self.folder)
+        inside = self.machine.inside(self.home)
         return SOFTWARE | {"HOME": f"{inside}/home", "TMPDIR": f"{inside}/tmp", "XDG_RUNTIME_DIR": f"{inside}/run"}
 
     def run(self, argv: list[str | Path], log: Path, *, env: dict[str, str] | None = None, window: bool = False,
@@ -46,7 +50,7 @@ class Place:
             inside = self.machine.inside(self.folder)
             argv = ["xvfb-run", "-a", "-e", f"{inside}/xvfb.log", "-s", "-screen 0 1280x800x24", *argv]
         log.parent.mkdir(parents=True, exist_ok=True)
-        for old in (self.folder / "tmp").glob("*.crash.txt"):
+        for old in (self.home / "tmp").glob("*.crash.txt"):
             old.unlink()
         start = time.monotonic()
         with log.open("wb") as stream:
@@ -62,7 +66,7 @@ class Place:
                     raise
                 status = None
         with log.open("a") as stream:
-            for crash in (self.folder / "tmp").glob("*.crash.txt"):
+            for crash in (self.home / "tmp").glob("*.crash.txt"):
                 stream.write(f"\n{crash.name}, written by Blender when it crashed:\n{crash.read_text(errors='replace')}")
         return status, time.monotonic() - start
 

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import os
 import re
-import subprocess
+import shutil
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -25,6 +26,8 @@ from results import FAILED, Layer, from_junit, print_layers, summary, tail
 
 OUT = BUILD / "compat"
 RELEASES = ["here", "trixie", "sid"]
+# What the tests need beside the installed package.
+WITH_TESTS = ["tests", "blend_samples"]
 # Roots in which the C++ source is built and its tests run.
 SOURCE_ROOTS = ["trixie"]
 
@@ -70,14 +73,30 @@ def blender_tests(place: Place, version: tuple[int, ...], run_py: Path) -> list[
     return layers
 
 
-def test_release(machine: Here | Root) -> list[Layer]:
+def test_here() -> list[Layer]:
+    """Tests the packages on this machine, away from the source tree: with a copy of the tests, and a home beside it."""
+    with tempfile.TemporaryDirectory(prefix="mesoshell-") as name:
+        folder = Path(name)
+        for part in WITH_TESTS:
+            shutil.copytree(REPO / part, folder / "tree" / part, ignore=shutil.ignore_patterns("__pycache__"))
+        return test_release(Place(Here("here"), OUT / "here", folder), folder / "tree/tests/blender/run.py")
+
+
+def test_root(root: Root) -> list[Layer]:
+    """Tests the packages in a root. Of the source tree, only the tests are there."""
+    out = OUT / root.name
+    out.mkdir(parents=True, exist_ok=True)
+    binds = {DIST: ("/mesoshell/dist", False), out: ("/mesoshell/out", True)}
+    binds |= {REPO / part: (f"/mesoshell/tree/{part}", False) for part in WITH_TESTS}
+    return test_release(Place(Root(root.name, root.folder, binds), out), REPO / "tests/blender/run.py")
+
+
+def test_release(place: Place, run_py: Path) -> list[Layer]:
     """Installs the packages in a fresh home and tests them."""
-    out = OUT / machine.name
-    place = Place(machine, out)
+    machine = place.machine
     place.prepare()
     layer = Layer(f"{machine.name} package")
     start = time.monotonic()
-    run_py = REPO / "tests/blender/run.py"
     version = describe(place, layer)
     if version:
         installed = (install_steps.extension if version >= (4, 2, 0) else install_steps.legacy)(place, layer)
@@ -92,6 +111,7 @@ def source_build(root: Root) -> Layer:
     """Builds the C++ source in a root, with that release's compiler and libraries, and runs the native tests."""
     layer = Layer(f"{root.name} source")
     out = OUT / f"{root.name}-source"
+    out.mkdir(parents=True, exist_ok=True)
     build = Path("/var/cache/mesoshell-build")
     (root.folder / build.relative_to("/")).mkdir(parents=True, exist_ok=True)
     place = Place(Root(root.name, root.folder, {REPO: ("/mesoshell/source", False), out: ("/mesoshell/out", True)}), out)
@@ -124,18 +144,13 @@ def main() -> int:
     skipped = []
     for name in names:
         if name == "here":
-            layers += test_release(Here("here"))
+            layers += test_here()
             continue
         try:
             with roots.locked(name):
                 root = roots.ensure(name)
-                (OUT / name).mkdir(parents=True, exist_ok=True)
-                # Of the source tree, only the tests are there: what they test is the installed package.
-                binds = {REPO / "tests": ("/mesoshell/tests", False), DIST: ("/mesoshell/dist", False),
-                         REPO / "blend_samples": ("/mesoshell/blend_samples", False), OUT / name: ("/mesoshell/out", True)}
-                layers += test_release(Root(name, root.folder, binds))
+                layers += test_root(root)
                 if name in SOURCE_ROOTS:
-                    (OUT / f"{name}-source").mkdir(parents=True, exist_ok=True)
                     layers.append(source_build(root))
         except roots.RootMissing as problem:
             skipped.append(f"{name} could not be installed ({problem})")

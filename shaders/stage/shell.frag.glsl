@@ -27,8 +27,7 @@ void main()
         if (params.mode.y == OUTPUT_NORMAL) {
             frag_color = vec4(normal_object, float(hit.fetches));
         } else {
-            vec3 color = hit_color(params, normal_object);
-            frag_color = vec4(params.mode.z == 1 ? encode_srgb(color) : color, 1.0f);
+            frag_color = vec4(hit_color(params, normal_object), 1.0f);
         }
     }
 }

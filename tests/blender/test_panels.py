@@ -23,5 +23,4 @@ def test_panels_draw_in_every_state(native, map_file, tmp_path):
     assert {tuple(pair) for pair in seen["drawn"]} == {(state, name) for state in states for name in names}
     # Blender prints what the layout itself refuses, such as a property that is not there.
     output = child.stdout + child.stderr
-    print(output)
     assert "rna_uiItem" not in output and "Traceback" not in output, output[-3000:]

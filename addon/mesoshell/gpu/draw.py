@@ -11,7 +11,7 @@ TRAVERSALS = {"gdm": 0, "sdf": 1}
 OUTPUTS = {"color": 0, "texture": 1, "normal": 2}  # shaders/lib/pixel.glsl
 
 
-def settings_record(*, traversal, base_color, lights, world_from_object, output="color", encode_srgb=False):
+def settings_record(*, traversal, base_color, lights, world_from_object, output="color"):
     """The uniform block before map and view are known: a NumPy record of shaders/interface.toml.
 
     `lights` has toward_sun, sun_color and ambient, linear RGB or world-space [3]; None keeps the defaults.
@@ -25,13 +25,14 @@ def settings_record(*, traversal, base_color, lights, world_from_object, output=
         record["light_world"][:3] = lights.toward_sun
         record["light_color"][:3] = lights.sun_color
         record["ambient_color"][:3] = lights.ambient
-    record["mode"] = (TRAVERSALS[traversal], OUTPUTS[output], int(encode_srgb), 0)
+    record["mode"] = (TRAVERSALS[traversal], OUTPUTS[output], 0, 0)
     return record
 
 
-def draw_shell(instance, clip_from_world, lights, *, output="color", encode_srgb=False):
+def draw_shell(instance, clip_from_world, lights, *, output="color"):
     """Draw one ShellInstance (host/shells.py) with depth test and depth write; the state is as before afterwards.
 
+    Colors are linear: the viewport's framebuffer encodes sRGB as it is written.
     `clip_from_world` is float64 [4, 4], OpenGL clip space. Raises RuntimeError where the shader does not compile.
     """
     world_from_object = instance.world_from_object
@@ -45,7 +46,6 @@ def draw_shell(instance, clip_from_world, lights, *, output="color", encode_srgb
         lights=lights,
         world_from_object=world_from_object,
         output=output,
-        encode_srgb=encode_srgb,
     )
     block = native.module().shell_params(record.tobytes(), instance.map, clip_from_object)
     shader = program.shell_program()

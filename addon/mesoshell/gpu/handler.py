@@ -29,7 +29,7 @@ def _draw():
     try:
         lit = lights.read(depsgraph)
         for instance in instances:
-            draw.draw_shell(instance, clip_from_world, lit, encode_srgb=True)
+            draw.draw_shell(instance, clip_from_world, lit)
         _problem = None
     except (RuntimeError, ValueError, native.NativeMissing) as error:
         if _problem != str(error):  # once, not every frame

@@ -40,7 +40,7 @@ struct Rendering {
     std::vector<std::int32_t> fetches;  // texture instructions of the pixel's whole ray
 };
 
-// mode.x of the settings chooses the traversal; mode.y and mode.z are ignored. Throws InvalidArgument; Cancelled.
+// mode.x of the settings chooses the traversal; mode.y is ignored. Throws InvalidArgument; Cancelled.
 Rendering render(const Shell& shell, const Map& map, const View& view, const ShellParams& settings, Job& job);
 
 // The shader text's lookup of the compressed GDM: tile widths, one a point. Directions need not be normalized.
