@@ -55,8 +55,13 @@ def home() -> Path:
 @contextmanager
 def locked(release: str):
     """Keeps a second run from changing the same root."""
-    home().mkdir(parents=True, exist_ok=True)
-    with (home() / f"{release}.lock").open("w") as file:
+    try:
+        home().mkdir(parents=True, exist_ok=True)
+        file = (home() / f"{release}.lock").open("w")
+    except OSError as error:
+        raise RootMissing(f"{error.strerror}: {error.filename}; set MESOSHELL_ROOTS to a folder that can be "
+                          "written") from None
+    with file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
 

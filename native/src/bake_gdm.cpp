@@ -37,19 +37,6 @@ void check_resolution(const GdmResolution& r)
     }
 }
 
-// How far sideways a ray of the bake can go.
-float farthest_reach(const GdmResolution& r, float height)
-{
-    float reach = 0.0f;
-    for (int theta = 0; theta < r.ntheta; ++theta) {
-        const glm::dvec3 dir = gdm_direction(r, theta, 0);
-        const float sideways = static_cast<float>(glm::length(glm::dvec2(dir)));
-        const float vertical = static_cast<float>(dir.z);
-        reach = std::max(reach, sideways * std::max(slab_exit(0.0f, vertical, height), slab_exit(height, vertical, height)));
-    }
-    return reach;
-}
-
 // Rays of one azimuth from a 4-row strip of nodes, for every polar angle and height.
 class StripBaker {
 public:

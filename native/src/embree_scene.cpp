@@ -18,7 +18,7 @@
 namespace mesoshell {
 namespace {
 
-static_assert(sizeof(RayPacket16) == sizeof(RTCRayHit16));
+static_assert(sizeof(RayPacket16) >= sizeof(RTCRayHit16));
 static_assert(offsetof(RayPacket16, tfar) == offsetof(RTCRay16, tfar));
 static_assert(offsetof(RayPacket16, normal_x) == offsetof(RTCRayHit16, hit));
 static_assert(offsetof(RayPacket16, geometry) - offsetof(RayPacket16, normal_x) == offsetof(RTCHit16, geomID));

@@ -12,7 +12,7 @@
 
 namespace mesoshell {
 
-// Sixteen rays side by side, in the layout Embree reads; embree_scene.cpp asserts that.
+// Sixteen rays side by side, in the layout Embree reads and writes; embree_scene.cpp asserts that.
 struct alignas(64) RayPacket16 {
     float org_x[16], org_y[16], org_z[16], tnear[16];
     float dir_x[16], dir_y[16], dir_z[16], time[16];
@@ -21,6 +21,7 @@ struct alignas(64) RayPacket16 {
     float normal_x[16], normal_y[16], normal_z[16];
     float u[16], v[16];
     std::uint32_t primitive[16], geometry[16], instance[16];
+    std::uint32_t instance_primitive[16];  // Embree 4 alone has it
 };
 
 struct TriangleHit {

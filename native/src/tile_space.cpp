@@ -5,7 +5,6 @@
 #include <limits>
 #include <string>
 
-#include "mesoshell/bake.h"
 #include "parallel.h"
 
 namespace mesoshell {
@@ -46,7 +45,8 @@ TriangleScene::Lattice lattice_within(const Sample& sample, float reach)
         const float last = std::ceil((period + reach - lower[axis]) / period);
         const float first = std::floor((-reach - upper[axis]) / period);
         if (last - first > most_copies) {
-            throw InvalidArgument("the tile's mesh or its reach spans " + std::to_string(static_cast<int>(last - first)) +
+            throw InvalidArgument("the tile's mesh or its reach spans more than " +
+                                  std::to_string(static_cast<int>(most_copies)) +
                                   " periods; move the mesh to the tile box, or make the period larger");
         }
         lattice.first[axis] = static_cast<int>(first);
@@ -61,6 +61,18 @@ float slab_exit(float z, float dir_z, float height)
         return horizon_distance;
     }
     return std::min(dir_z > 0.0f ? (height - z) / dir_z : z / -dir_z, horizon_distance);
+}
+
+float farthest_reach(const GdmResolution& resolution, float height)
+{
+    float reach = 0.0f;
+    for (int theta = 0; theta < resolution.ntheta; ++theta) {
+        const glm::dvec3 dir = gdm_direction(resolution, theta, 0);
+        const float sideways = static_cast<float>(glm::length(glm::dvec2(dir)));
+        const float vertical = static_cast<float>(dir.z);
+        reach = std::max(reach, sideways * std::max(slab_exit(0.0f, vertical, height), slab_exit(height, vertical, height)));
+    }
+    return reach;
 }
 
 std::vector<std::uint8_t> classify_inside(const Sample& sample, const glm::ivec3& nodes, Job& job)

@@ -7,8 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "embree_scene.h"
-#include "mesoshell/job.h"
-#include "mesoshell/sample.h"
+#include "mesoshell/bake.h"
 
 namespace mesoshell {
 
@@ -17,6 +16,9 @@ TriangleScene::Lattice lattice_within(const Sample& sample, float reach);
 
 // Distance from z along a direction with vertical part dir_z to where it leaves the slab; at most horizon_distance.
 float slab_exit(float z, float dir_z, float height);
+
+// How far sideways a ray of a GDM bake can go, tile widths.
+float farthest_reach(const GdmResolution& resolution, float height);
 
 // 1 where a node (x, y, z) of an [nz, ny, nx] grid lies in the solid.
 std::vector<std::uint8_t> classify_inside(const Sample& sample, const glm::ivec3& nodes, Job& job);

@@ -14,7 +14,7 @@ import os
 import sys
 import traceback
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape, quoteattr
 
 import bpy
 
@@ -67,7 +67,7 @@ def write_failure(junit, text):
     message = quoteattr(text.strip().splitlines()[-1])
     junit.write_text('<?xml version="1.0" encoding="utf-8"?>\n<testsuites><testsuite name="pytest" errors="1" failures="0" '
                      'skipped="0" tests="1"><testcase classname="run" name="the session starts">'
-                     f'<error message={message}>{quoteattr(text)[1:-1]}</error></testcase></testsuite></testsuites>\n')
+                     f'<error message={message}>{escape(text)}</error></testcase></testsuite></testsuites>\n')
 
 
 if bpy.app.background:

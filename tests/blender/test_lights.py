@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 import pytest
-from mathutils import Euler
+from mathutils import Euler, Vector
 
 
 def read(part):
@@ -24,7 +24,7 @@ def test_a_sun_shines_down_its_own_axis(part, fresh):
     sun = make_sun("A sun", np.pi, (0.5, 0.2, 1.0), (1.0, 0.5, 0.25))
     sun.scale = (3.0, 3.0, 3.0)
     lights = read(part)
-    expected = Euler((0.5, 0.2, 1.0)).to_matrix() @ __import__("mathutils").Vector((0.0, 0.0, 1.0))
+    expected = Euler((0.5, 0.2, 1.0)).to_matrix() @ Vector((0.0, 0.0, 1.0))
     np.testing.assert_allclose(lights.toward_sun, expected, atol=1e-6)
     np.testing.assert_allclose(lights.sun_color, [1.0, 0.5, 0.25], rtol=1e-6)
 

@@ -22,11 +22,11 @@ def _draw():
     global _problem
     context = bpy.context
     depsgraph = context.evaluated_depsgraph_get()
-    instances = shells.visible(depsgraph, context.space_data)
-    if not instances:
-        return
-    clip_from_world = numpy.array(context.region_data.perspective_matrix, numpy.float64)
     try:
+        instances = shells.visible(depsgraph, context.space_data)
+        if not instances:
+            return
+        clip_from_world = numpy.array(context.region_data.perspective_matrix, numpy.float64)
         lit = lights.read(depsgraph)
         for instance in instances:
             draw.draw_shell(instance, clip_from_world, lit)

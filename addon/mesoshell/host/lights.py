@@ -4,12 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core import shader_source
 from . import versions
-
-# Where a scene has no sun or no world, whatever the view: the defaults of the shader interface.
-DEFAULT_TOWARD_SUN = (0.40, -0.45, 0.80)
-DEFAULT_SUN_COLOR = (2.4, 2.3, 2.2)
-DEFAULT_AMBIENT = (0.10, 0.11, 0.13)
 
 
 class Lights(NamedTuple):
@@ -19,9 +15,13 @@ class Lights(NamedTuple):
 
 
 def read(depsgraph):
-    """The Lights of the depsgraph's scene: its first visible sun, by name, and its world's color."""
-    toward_sun = np.array(DEFAULT_TOWARD_SUN, np.float64)
-    sun_color = np.array(DEFAULT_SUN_COLOR, np.float64)
+    """The Lights of the depsgraph's scene: its first visible sun, by name, and its world's color.
+
+    What the scene lacks is as the shader interface has it, whatever the view.
+    """
+    defaults = shader_source.shell_interface().defaults()
+    toward_sun = np.array(defaults["light_world"][:3], np.float64)
+    sun_color = np.array(defaults["light_color"][:3], np.float64)
     sun = _first_sun(depsgraph)
     if sun is not None:
         toward_sun = np.array(sun.matrix_world, np.float64)[:3, 2]
@@ -30,7 +30,7 @@ def read(depsgraph):
         sun_color = versions.light_color(light) * (light.energy * versions.light_exposure(light) / np.pi)
     length = np.linalg.norm(toward_sun)
     toward_sun = toward_sun / length if length > 0.0 else np.array([0.0, 0.0, 1.0])
-    return Lights(toward_sun, sun_color, _ambient(depsgraph.scene.world))
+    return Lights(toward_sun, sun_color, _ambient(depsgraph.scene.world, defaults))
 
 
 def _first_sun(depsgraph):
@@ -44,10 +44,10 @@ def _first_sun(depsgraph):
     return min(suns, key=lambda obj: obj.name).evaluated_get(depsgraph) if suns else None
 
 
-def _ambient(world):
+def _ambient(world, defaults):
     """The Background node's color times strength; a world of textures counts as its viewport color."""
     if world is None:
-        return np.array(DEFAULT_AMBIENT, np.float64)
+        return np.array(defaults["ambient_color"][:3], np.float64)
     tree = versions.world_nodes(world)
     output = tree.get_output_node('ALL') if tree is not None else None
     if output is None or not output.inputs["Surface"].is_linked:

@@ -1,0 +1,180 @@
+"""The draw handler in the real window: what the screen shows of a shell, among ordinary objects, from several sides."""
+
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix, Vector
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+import mail_scenes  # noqa: E402  (shared with the tests outside Blender)
+import scenes  # noqa: E402
+
+pytestmark = pytest.mark.window
+
+
+@pytest.fixture
+def view():
+    """The 3D View of the window, plain: its region and space; as it was afterwards."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(a for a in window.screen.areas if a.type == 'VIEW_3D')
+    space = area.spaces.active
+    overlay = space.overlay
+    names = ("show_floor", "show_axis_x", "show_axis_y", "show_cursor", "show_text", "show_extras",
+             "show_outline_selected", "show_object_origins")
+    before = {name: getattr(overlay, name) for name in names}
+    for name in names:
+        setattr(overlay, name, False)
+    space.show_gizmo = space.show_region_ui = space.show_region_toolbar = space.show_region_tool_header = False
+    # Ordinary objects in flat colors that no shell has, so that equal color means the shell is what is seen.
+    plain = dict(type='SOLID', light='FLAT', color_type='OBJECT')
+    shading = {name: getattr(space.shading, name) for name in plain}
+    for name, value in plain.items():
+        setattr(space.shading, name, value)
+    yield space, next(r for r in area.regions if r.type == 'WINDOW')
+    for name, value in shading.items():
+        setattr(space.shading, name, value)
+    space.show_gizmo = True
+    for name, value in before.items():
+        setattr(overlay, name, value)
+
+
+@pytest.fixture
+def mail(part, native, fresh, tmp_path):
+    """The chain-mail torus with an enabled shell, and a cube half sunk in it; nothing else in sight."""
+    hidden = [obj for obj in bpy.context.view_layer.objects if not obj.hide_get()]
+    for obj in hidden:
+        obj.hide_set(True)
+    path = tmp_path / "mail.gdm.exr"
+    mail_scenes.chain_map(native).save(path)
+    torus = scenes.make_torus("Mail", minor=0.42, around=24, across=12)
+    cube = scenes.make_object("Block", np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.3,
+                              [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+    cube.location = (0.9, -0.7, 0.5)
+    cube.color, torus.color = (0.05, 0.3, 0.9, 1.0), (0.8, 0.1, 0.05, 1.0)
+    bpy.context.view_layer.update()
+    assert bpy.ops.mesoshell.add_shell(object=torus.name, filepath=str(path), thickness=0.31, levels=1, tiles_u=10,
+                                       tiles_v=5) == {'FINISHED'}
+    yield torus, cube
+    for obj in hidden:
+        if obj.name in bpy.data.objects:
+            obj.hide_set(False)
+
+
+def look(space, region, eye, target=(0.0, 0.0, 0.0)):
+    """Turn the view; redraw; returns clip_from_world."""
+    space.region_3d.view_perspective = 'PERSP'
+    space.region_3d.view_matrix = Matrix(mail_scenes.view_from(eye, target).tolist())
+    redraw()
+    return np.array(space.region_3d.perspective_matrix, np.float64)
+
+
+def redraw():
+    bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=1)
+
+
+def screenshot(region, tmp_path):
+    """What the window shows in a region: float32 [h, w, 3], sRGB, row 0 at the bottom."""
+    path = tmp_path / "window.png"
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        bpy.ops.screen.screenshot(filepath=str(path))
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.name = "Non-Color"
+    pixels = np.empty(image.size[0] * image.size[1] * 4, np.float32)
+    image.pixels.foreach_get(pixels)
+    whole = pixels.reshape(image.size[1], image.size[0], 4)
+    bpy.data.images.remove(image)
+    return whole[region.y : region.y + region.height, region.x : region.x + region.width, :3]
+
+
+def expected(part, native, instance, objects, clip_from_world, region):
+    """By the reference renderer and Embree: (sRGB color of the shell, where it is in front, where it is behind)."""
+    size = (region.width, region.height)
+    lit = part("host.lights").read(bpy.context.evaluated_depsgraph_get())
+    record = part("gpu.draw").settings_record(traversal="sdf", base_color=instance.settings.base_color, lights=lit,
+                                              world_from_object=instance.world_from_object)
+    shell = native.render(instance.shell, instance.map, clip_from_object=clip_from_world @ instance.world_from_object,
+                          size=size, settings=record.tobytes())
+    solid = np.full(size[::-1], np.inf)
+    for obj in objects:
+        mesh = obj.data
+        mesh.calc_loop_triangles()
+        points = np.array([obj.matrix_world @ v.co for v in mesh.vertices], np.float32)
+        triangles = np.array([t.vertices[:] for t in mesh.loop_triangles])
+        solid = np.minimum(solid, native.trace(points, triangles, clip_from_object=clip_from_world, size=size)["distance"])
+    linear = np.clip(shell["color"][..., :3], 0.0, 1.0)
+    color = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
+    hit = shell["hit"] == 1
+    # Within half a percent of each other, the depth buffer decides.
+    return color, hit & (shell["distance"] < 0.995 * solid), hit & (shell["distance"] > 1.005 * solid)
+
+
+def looks_like(shown, color):
+    """Where two sRGB pictures are equal but for how Blender's display encodes what handlers draw.
+
+    3.4 does so by the power 1/2.2 instead of sRGB's own curve, which is at most 0.0135 away; 8-bit color is rounded twice.
+    """
+    return np.abs(shown - color).max(axis=-1) <= 0.0135 + 2.0 / 255.0
+
+
+@pytest.mark.parametrize("eye", [(2.6, -2.7, 2.4), (-3.0, 1.5, 1.0), (0.4, -3.6, -1.2), (1.6, -1.4, 1.2)],
+                         ids=["above", "behind", "below", "close"])
+def test_shell_is_drawn_before_and_behind_ordinary_objects(part, native, view, mail, tmp_path, eye):
+    space, region = view
+    torus, cube = mail
+    clip_from_world = look(space, region, eye)
+    instance, = part("host.shells").visible(bpy.context.evaluated_depsgraph_get(), space)
+    shown = screenshot(region, tmp_path)
+    color, before, behind = expected(part, native, instance, [torus, cube], clip_from_world, region)
+    assert before.sum() > 5000 and behind.sum() > 500, "the view shows too little to tell"
+    alike = looks_like(shown, color)
+    print(f"in front: {alike[before].mean():.3%} of {before.sum()}, behind: {alike[behind].mean():.3%} of {behind.sum()}")
+    assert alike[before].mean() >= 0.995
+    assert alike[behind].mean() <= 0.001
+
+
+def test_moved_object_is_drawn_where_it_is(part, native, view, mail, tmp_path):
+    space, region = view
+    torus, cube = mail
+    torus.location, torus.rotation_euler, torus.scale = Vector((0.3, 0.2, 0.1)), (0.4, 0.1, 1.0), (-0.9, 1.1, 0.8)
+    bpy.context.view_layer.update()
+    clip_from_world = look(space, region, (2.6, -2.7, 2.4))
+    instance, = part("host.shells").visible(bpy.context.evaluated_depsgraph_get(), space)
+    shown = screenshot(region, tmp_path)
+    color, before, _behind = expected(part, native, instance, [torus, cube], clip_from_world, region)
+    assert before.sum() > 5000
+    assert looks_like(shown, color)[before].mean() >= 0.995
+
+
+def test_disabled_shell_and_hidden_object_are_not_drawn(part, native, view, mail, tmp_path):
+    space, region = view
+    torus, cube = mail
+    clip_from_world = look(space, region, (2.6, -2.7, 2.4))
+    instance, = part("host.shells").visible(bpy.context.evaluated_depsgraph_get(), space)
+    color, before, _behind = expected(part, native, instance, [torus, cube], clip_from_world, region)
+    torus.mesoshell.enabled = False
+    redraw()
+    bare = screenshot(region, tmp_path)
+    torus.mesoshell.enabled = True
+    torus.hide_set(True)
+    redraw()
+    hidden = screenshot(region, tmp_path)
+    torus.hide_set(False)
+    redraw()
+    back = screenshot(region, tmp_path)
+    alike = [looks_like(shown, color)[before].mean() for shown in (bare, hidden, back)]
+    assert alike[0] <= 0.05 and alike[1] <= 0.05 and alike[2] >= 0.995
+
+
+def test_a_shader_that_does_not_compile_is_one_sentence(part, view, mail, monkeypatch):
+    space, region = view
+    handler, program, source = part("gpu.handler"), part("gpu.program"), part("core.shader_source")
+    program.forget()
+    monkeypatch.setattr(source, "stage", lambda name: "this is no GLSL")
+    look(space, region, (2.6, -2.7, 2.4))
+    assert handler.problem().startswith("The graphics driver refused Mesoshell's shader")
+    monkeypatch.undo()
+    redraw()
+    assert handler.problem() is None

@@ -1,0 +1,315 @@
+// Files that are no maps, or no longer: refused in a sentence, never a crash, never a changed number, never gigabytes.
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+
+#include <sys/resource.h>
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
+#include "files.h"
+#include "mesoshell/error.h"
+#include "mesoshell/store.h"
+
+namespace mesoshell {
+namespace {
+
+enum class Outcome { refused, loaded };
+
+// Refused with Error or FileError, or loaded with every number as it was saved.
+Outcome load_damaged(const std::string& path, const Map& truth)
+{
+    try {
+        expect_same_map(load_map(path), truth);
+        return Outcome::loaded;
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << error.what();
+    } catch (const FileError&) {
+    }
+    return Outcome::refused;
+}
+
+void expect_no_map(const std::string& path)
+{
+    expect_refusal<Error>([&] { load_map(path); }, {path.c_str(), "not a usable map"});
+}
+
+TEST(StoreDamage, Truncated)
+{
+    const TemporaryFolder folder;
+    for (const Precision precision : {Precision::half, Precision::single}) {
+        const Map map = small_map(precision, true);
+        save_map(map, folder.file("whole.exr"));
+        const std::string bytes = read_bytes(folder.file("whole.exr"));
+        for (std::size_t i = 0; i < 50; ++i) {
+            write_bytes(folder.file("part.exr"), bytes.substr(0, bytes.size() * i / 50));
+            EXPECT_EQ(load_damaged(folder.file("part.exr"), map), Outcome::refused) << i << " fiftieths";
+        }
+        write_bytes(folder.file("part.exr"), bytes.substr(0, bytes.size() - 1));
+        EXPECT_EQ(load_damaged(folder.file("part.exr"), map), Outcome::refused);
+    }
+}
+
+TEST(StoreDamage, FlippedBytes)
+{
+    const TemporaryFolder folder;
+    const Map map = small_map(Precision::half, true);
+    save_map(map, folder.file("whole.exr"));
+    const std::string whole = read_bytes(folder.file("whole.exr"));
+    Random random(2);
+    int refused = 0;
+    for (int i = 0; i < 600; ++i) {
+        std::string bytes = whole;
+        char& byte = bytes[static_cast<std::size_t>(random.below(static_cast<int>(whole.size())))];
+        byte = static_cast<char>(byte ^ (i % 2 == 0 ? 1 << random.below(8) : 1 + random.below(255)));
+        write_bytes(folder.file("flipped.exr"), bytes);
+        refused += load_damaged(folder.file("flipped.exr"), map) == Outcome::refused ? 1 : 0;
+    }
+    EXPECT_GT(refused, 300);
+}
+
+TEST(StoreDamage, EveryByteOfTheHeaders)
+{
+    const TemporaryFolder folder;
+    const Map map = small_map(Precision::half, false);
+    save_map(map, folder.file("whole.exr"));
+    const std::string whole = read_bytes(folder.file("whole.exr"));
+    // The headers come first; they hold the settings that no checksum of pixels covers.
+    const std::size_t headers = whole.rfind("mesoshell:version") + 32;
+    ASSERT_LT(headers, whole.size());
+    for (std::size_t i = 0; i < headers; ++i) {
+        std::string bytes = whole;
+        bytes[i] = static_cast<char>(bytes[i] ^ 1);
+        write_bytes(folder.file("flipped.exr"), bytes);
+        load_damaged(folder.file("flipped.exr"), map);
+        ASSERT_FALSE(HasFailure()) << "byte " << i << " of the headers, near '" << whole.substr(i > 24 ? i - 24 : 0, 40) << "'";
+    }
+}
+
+TEST(StoreDamage, MissingFile)
+{
+    const TemporaryFolder folder;
+    try {
+        load_map(folder.file("missing.exr"));
+        FAIL();
+    } catch (const FileError& error) {
+        EXPECT_EQ(error.code, ENOENT);
+        EXPECT_EQ(error.path, folder.file("missing.exr"));
+    }
+}
+
+TEST(StoreDamage, FileBelowAFile)
+{
+    const TemporaryFolder folder;
+    write_bytes(folder.file("plain"), "text");
+    try {
+        load_map(folder.file("plain/tile.exr"));
+        FAIL();
+    } catch (const FileError& error) {
+        EXPECT_EQ(error.code, ENOTDIR);
+    }
+}
+
+TEST(StoreDamage, Folder)
+{
+    const TemporaryFolder folder;
+    try {
+        load_map(folder.file(""));
+        FAIL();
+    } catch (const FileError& error) {
+        EXPECT_EQ(error.code, EISDIR);
+    } catch (const Error&) {
+    }
+}
+
+TEST(StoreDamage, EmptyFile)
+{
+    const TemporaryFolder folder;
+    write_bytes(folder.file("empty.exr"), "");
+    expect_no_map(folder.file("empty.exr"));
+}
+
+TEST(StoreDamage, TextFile)
+{
+    const TemporaryFolder folder;
+    write_bytes(folder.file("text.exr"), "Mesoshell bakes mesostructure.\n");
+    expect_no_map(folder.file("text.exr"));
+    std::string magic = "\x76\x2f\x31\x01";
+    write_bytes(folder.file("magic.exr"), magic);
+    expect_no_map(folder.file("magic.exr"));
+    write_bytes(folder.file("magic.exr"), magic + std::string(5000, '\xff'));
+    expect_no_map(folder.file("magic.exr"));
+}
+
+TEST(StoreDamage, ForeignPicture)
+{
+    const TemporaryFolder folder;
+    Imf::Header header(8, 4);
+    for (const char* channel : {"R", "G", "B", "Y"}) {
+        header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
+    }
+    const std::vector<float> pixels(32, 0.5f);
+    Imf::FrameBuffer buffer;
+    for (const char* channel : {"R", "G", "B", "Y"}) {
+        char* base = const_cast<char*>(reinterpret_cast<const char*>(pixels.data()));
+        buffer.insert(channel, Imf::Slice(Imf::FLOAT, base, sizeof(float), 8 * sizeof(float)));
+    }
+    {
+        Imf::OutputFile file(folder.file("foreign.exr").c_str(), header);
+        file.setFrameBuffer(buffer);
+        file.writePixels(4);
+    }
+    expect_no_map(folder.file("foreign.exr"));
+}
+
+// Parts with a map's names and attributes, each as `change` leaves it; without pixels unless `pixels`.
+void write_parts(const std::string& path, int width, int height, bool pixels,
+                 const std::function<void(Imf::Header&, int part)>& change)
+{
+    std::vector<Imf::Header> headers;
+    for (int part = 0; part < 2; ++part) {
+        Imf::Header header(width, height);
+        header.setName(part == 0 ? "gdm.weights" : "gdm.eigenmaps");
+        header.setType(Imf::SCANLINEIMAGE);
+        header.compression() = Imf::ZIP_COMPRESSION;
+        header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+        header.insert("mesoshell:version", Imf::IntAttribute(1));
+        header.insert("mesoshell:shape", Imf::StringAttribute("1 1 " + std::to_string(height) + " " + std::to_string(width)));
+        header.insert("mesoshell:checksum", Imf::StringAttribute("0123456789abcdef"));
+        header.insert("mesoshell:units", Imf::StringAttribute("tile widths"));
+        for (const char* name : {"mesoshell:height", "mesoshell:aspect", "mesoshell:rmse", "mesoshell:maxError"}) {
+            header.insert(name, Imf::FloatAttribute(0.5f));
+        }
+        change(header, part);
+        headers.push_back(header);
+    }
+    Imf::MultiPartOutputFile file(path.c_str(), headers.data(), 2);
+    if (pixels) {
+        std::vector<float> values(static_cast<std::size_t>(width) * height, 0.25f);
+        for (int part = 0; part < 2; ++part) {
+            Imf::FrameBuffer buffer;
+            const char* channel = headers[static_cast<std::size_t>(part)].channels().begin().name();
+            buffer.insert(channel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), sizeof(float),
+                                              sizeof(float) * static_cast<std::size_t>(width)));
+            Imf::OutputPart output(file, part);
+            output.setFrameBuffer(buffer);
+            output.writePixels(height);
+        }
+    }
+}
+
+std::size_t peak_bytes()
+{
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+TEST(StoreDamage, ChecksumThatDoesNotFit)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    write_parts(path, 4, 4, true, [](Imf::Header&, int) {});
+    expect_refusal<Error>([&] { load_map(path); }, {"gdm.weights", "checksum"});
+}
+
+TEST(StoreDamage, ShapesThatLie)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    for (const char* shape : {"1 1 4 5", "1 1 5 4", "2 1 4 4", "1 1 4", "", "1 1 4 4 1", "1 1 4 4x", "0 1 4 4", "1 -1 4 -4",
+                              "-1 -1 -4 -4", "1000000 1000000 1000 1000", "2147483647 2147483647 2147483647 2147483647",
+                              "99999999999999999999 1 4 4", "nan nan nan nan", "1 65536 4 65536"}) {
+        for (int liar = 0; liar < 2; ++liar) {
+            write_parts(path, 4, 4, true, [&](Imf::Header& header, int part) {
+                if (part == liar) {
+                    header.insert("mesoshell:shape", Imf::StringAttribute(shape));
+                }
+            });
+            expect_refusal<Error>([&] { load_map(path); }, {"not a usable map", "shape"});
+        }
+    }
+}
+
+TEST(StoreDamage, PromisesOfGigabytes)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    const std::size_t before = peak_bytes();
+    for (const glm::ivec2 size : {glm::ivec2(40000, 40000), {2000000, 1000}, {1000, 2000000}}) {
+        write_parts(path, size.x, size.y, false, [](Imf::Header&, int) {});
+        EXPECT_LT(std::filesystem::file_size(path), 4000000u);
+        expect_refusal<Error>([&] { load_map(path); }, {"not a usable map"});
+    }
+    // The picture itself would take 6 GB; its table of lines some megabytes.
+    EXPECT_LT(peak_bytes() - before, 200u << 20);
+}
+
+TEST(StoreDamage, AttributesThatAreMissingOrOfAnotherType)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    for (const char* name : {"mesoshell:version", "mesoshell:shape", "mesoshell:checksum", "mesoshell:height", "mesoshell:aspect",
+                             "mesoshell:rmse", "mesoshell:maxError"}) {
+        write_parts(path, 4, 4, true, [&](Imf::Header& header, int) { header.erase(name); });
+        expect_refusal<Error>([&] { load_map(path); }, {"not a usable map", name});
+        write_parts(path, 4, 4, true, [&](Imf::Header& header, int) {
+            header.erase(name);
+            if (std::strcmp(name, "mesoshell:version") == 0) {
+                header.insert(name, Imf::FloatAttribute(1.0f));
+            } else {
+                header.insert(name, Imf::IntAttribute(1));
+            }
+        });
+        expect_refusal<Error>([&] { load_map(path); }, {"not a usable map", name});
+    }
+}
+
+TEST(StoreDamage, SettingsThatMakeNoSense)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    for (const char* name : {"mesoshell:height", "mesoshell:aspect"}) {
+        for (const float bad : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+            write_parts(path, 4, 4, true, [&](Imf::Header& header, int) { header.insert(name, Imf::FloatAttribute(bad)); });
+            expect_refusal<Error>([&] { load_map(path); }, {"height or aspect"});
+        }
+    }
+    for (const int version : {0, 2, -1}) {
+        write_parts(path, 4, 4, true, [&](Imf::Header& header, int) {
+            header.insert("mesoshell:version", Imf::IntAttribute(version));
+        });
+        expect_refusal<Error>([&] { load_map(path); }, {"format version", std::to_string(version).c_str()});
+    }
+}
+
+TEST(StoreDamage, PartsThatAreMissingOrHaveOtherChannels)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    write_parts(path, 4, 4, true, [](Imf::Header& header, int part) { header.setName(part == 0 ? "gdm.weights" : "other"); });
+    expect_refusal<Error>([&] { load_map(path); }, {"gdm.eigenmaps"});
+    write_parts(path, 4, 4, true, [](Imf::Header& header, int) {
+        header.channels() = Imf::ChannelList();
+        header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+    });
+    expect_refusal<Error>([&] { load_map(path); }, {"channel Y"});
+    write_parts(path, 4, 4, true, [](Imf::Header& header, int part) {
+        header.insert("mesoshell:shape", Imf::StringAttribute(part == 0 ? "2 1 2 4" : "1 1 4 4"));
+    });
+    expect_refusal<Error>([&] { load_map(path); }, {"belong together"});
+}
+
+}  // namespace
+}  // namespace mesoshell

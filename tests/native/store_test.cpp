@@ -1,0 +1,219 @@
+// Saving and loading: bit-equal, and all or nothing.
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "files.h"
+#include "mesoshell/error.h"
+#include "mesoshell/store.h"
+#include "meshes.h"
+
+namespace mesoshell {
+namespace {
+
+TEST(Store, LoadsWhatWasSaved)
+{
+    const TemporaryFolder folder;
+    for (const Precision precision : {Precision::half, Precision::single}) {
+        for (const bool with_sdf : {true, false}) {
+            const Map map = small_map(precision, with_sdf);
+            save_map(map, folder.file("tile.exr"));
+            expect_same_map(load_map(folder.file("tile.exr")), map);
+        }
+    }
+    EXPECT_EQ(folder.content(), std::vector<std::string>{"tile.exr"});
+}
+
+TEST(Store, LoadsABakedMap)
+{
+    GdmResolution r;
+    r.nodes = glm::ivec3(5, 6, 4);
+    r.ntheta = 4;
+    r.nphi = 3;
+    Job job;
+    const Sample sample = sphere({0.5f, 0.5f, 0.3f}, 0.25f, 8, 12).sample(0.6f, 1.2f);
+    const Gdm gdm = bake_gdm(sample, r, job);
+    const Sdf sdf = bake_sdf(sample, {8, 8, 5}, job);
+    const TemporaryFolder folder;
+    for (const Precision precision : {Precision::half, Precision::single}) {
+        CompressOptions options;
+        options.terms = 5;
+        options.precision = precision;
+        const Map map = compress(gdm, &sdf, options, job);
+        save_map(map, folder.file("tile.exr"));
+        expect_same_map(load_map(folder.file("tile.exr")), map);
+    }
+}
+
+TEST(Store, ExtremeValuesSurvive)
+{
+    const TemporaryFolder folder;
+    Map map = small_map(Precision::single, false);
+    map.weights[0] = -0.0f;
+    map.weights[1] = 0x1p-149f;
+    map.weights[2] = 3.0e38f;
+    save_map(map, folder.file("tile.exr"));
+    const Map loaded = load_map(folder.file("tile.exr"));
+    EXPECT_EQ(loaded.weights, map.weights);
+    EXPECT_TRUE(std::signbit(loaded.weights[0]));
+    Map half = small_map(Precision::half, false);
+    half.weights[0] = 65504.0f;
+    half.weights[1] = 0x1p-24f;
+    save_map(half, folder.file("tile.exr"));
+    EXPECT_EQ(load_map(folder.file("tile.exr")).weights, half.weights);
+}
+
+TEST(Store, ReplacesAnOldFile)
+{
+    const TemporaryFolder folder;
+    save_map(small_map(Precision::half, true, 1), folder.file("tile.exr"));
+    const Map other = small_map(Precision::single, false, 2);
+    save_map(other, folder.file("tile.exr"));
+    expect_same_map(load_map(folder.file("tile.exr")), other);
+    EXPECT_EQ(folder.content().size(), 1u);
+}
+
+TEST(Store, SavingTwiceGivesTheSameBytes)
+{
+    const TemporaryFolder folder;
+    save_map(small_map(Precision::half, true), folder.file("a.exr"));
+    save_map(small_map(Precision::half, true), folder.file("b.exr"));
+    EXPECT_EQ(read_bytes(folder.file("a.exr")), read_bytes(folder.file("b.exr")));
+}
+
+void expect_file_error(const std::string& path, int code)
+{
+    try {
+        save_map(small_map(Precision::half, true), path);
+        ADD_FAILURE() << "saved to " << path;
+    } catch (const FileError& error) {
+        EXPECT_EQ(error.code, code) << path;
+        EXPECT_EQ(error.path, path);
+    }
+}
+
+TEST(Store, FolderThatIsMissing)
+{
+    const TemporaryFolder folder;
+    expect_file_error(folder.file("missing/tile.exr"), ENOENT);
+    EXPECT_TRUE(folder.content().empty());
+}
+
+TEST(Store, FolderThatIsAFile)
+{
+    const TemporaryFolder folder;
+    write_bytes(folder.file("plain"), "text");
+    expect_file_error(folder.file("plain/tile.exr"), ENOTDIR);
+    EXPECT_EQ(read_bytes(folder.file("plain")), "text");
+    EXPECT_EQ(folder.content().size(), 1u);
+}
+
+TEST(Store, TargetThatIsAFolder)
+{
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder.file("tile.exr"));
+    expect_file_error(folder.file("tile.exr"), EISDIR);
+    EXPECT_EQ(folder.content(), std::vector<std::string>{"tile.exr"});
+}
+
+TEST(Store, FolderThatIsReadOnly)
+{
+    if (geteuid() == 0) {
+        GTEST_SKIP() << "root may write everywhere";
+    }
+    const TemporaryFolder folder;
+    std::filesystem::permissions(folder.file(""), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+    expect_file_error(folder.file("tile.exr"), EACCES);
+    std::filesystem::permissions(folder.file(""), std::filesystem::perms::owner_all);
+    EXPECT_TRUE(folder.content().empty());
+}
+
+// While it lives, no file of this process grows beyond `bytes`: what a full disk does, with EFBIG for ENOSPC.
+class FileSizeLimit {
+public:
+    explicit FileSizeLimit(std::size_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN))
+    {
+        getrlimit(RLIMIT_FSIZE, &before_);
+        rlimit limit = before_;
+        limit.rlim_cur = bytes;
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FileSizeLimit()
+    {
+        setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, handler_);
+    }
+
+private:
+    void (*handler_)(int);
+    rlimit before_{};
+};
+
+void check_full_disk(const Map& map)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    save_map(map, path);
+    const std::size_t size = read_bytes(path).size();
+    save_map(small_map(Precision::single, false, 9), path);
+    const std::string old = read_bytes(path);
+    // Full at the first byte, at the last, and anywhere between.
+    std::vector<std::size_t> limits{0, 1, size - 1};
+    for (std::size_t i = 1; i < 20; ++i) {
+        limits.push_back(size * i / 20);
+    }
+    for (const std::size_t limit : limits) {
+        int code = 0;
+        {
+            const FileSizeLimit full(limit);
+            try {
+                save_map(map, path);
+            } catch (const FileError& error) {
+                code = error.code;
+            }
+        }
+        EXPECT_EQ(code, EFBIG) << "a disk full after " << limit << " of " << size << " bytes";
+        EXPECT_EQ(read_bytes(path), old) << "a disk full after " << limit << " of " << size << " bytes";
+        EXPECT_EQ(folder.content(), std::vector<std::string>{"tile.exr"});
+    }
+    save_map(map, path);
+    expect_same_map(load_map(path), map);
+}
+
+TEST(Store, FullDiskLeavesTheOldFile)
+{
+    check_full_disk(small_map(Precision::half, true));
+}
+
+TEST(Store, FullDiskLeavesTheOldFileOfALargerMap)
+{
+    Random random(4);
+    Map map = small_map(Precision::single, false);
+    map.resolution.nodes = glm::ivec3(40, 30, 4);
+    map.weights.resize(2 * 7 * 30 * 40);
+    for (float& value : map.weights) {
+        value = static_cast<float>(random.uniform(-1.0, 1.0));
+    }
+    check_full_disk(map);
+}
+
+TEST(Store, ArraysThatDoNotFitTheNodes)
+{
+    const TemporaryFolder folder;
+    for (int i = 0; i < 3; ++i) {
+        Map map = small_map(Precision::half, true);
+        std::vector<float>* const arrays[3] = {&map.weights, &map.eigenmaps, &map.sdf};
+        arrays[i]->pop_back();
+        expect_refusal<InvalidArgument>([&] { save_map(map, folder.file("tile.exr")); }, {"values"});
+    }
+    expect_refusal<InvalidArgument>([&] { save_map(Map{}, folder.file("tile.exr")); }, {"values"});
+    EXPECT_TRUE(folder.content().empty());
+}
+
+}  // namespace
+}  // namespace mesoshell
