@@ -33,9 +33,9 @@ std::vector<BoxScene::Box> prism_boxes(const Shell& shell)
 
 class PixelRenderer {
 public:
-    PixelRenderer(const View& view, const ViewRays& rays, const ShellParams& params, const BoxScene& scene,
+    PixelRenderer(const Shell& shell, const View& view, const ViewRays& rays, const ShellParams& params, const BoxScene& scene,
                   Rendering& picture)
-        : view_(view), rays_(rays), params_(params), scene_(scene), picture_(picture),
+        : shell_(shell), view_(view), rays_(rays), params_(params), scene_(scene), picture_(picture),
           clip_from_object_(view.clip_from_object), tile_(shader::tile_of(params)), tolerance_(shader::tolerance_of(params))
     {
     }
@@ -52,7 +52,7 @@ public:
         std::uint32_t prism_hit = 0;
         int fetches = 0;
         scene_.visit_along(origin, dir, std::max(t_near, 0.0f), [&](std::uint32_t index, float tfar) {
-            const shader::ShellHit hit = shader::trace_prism(shader::load_prism(static_cast<int>(index)), origin, dir, t_near,
+            const shader::ShellHit hit = shader::trace_prism(shader::prism_of(shell_.prisms[index]), origin, dir, t_near,
                                                              params_.mode.x, tile_, tolerance_);
             fetches += hit.fetches;
             if (!hit.hit || hit.t >= tfar || shader::window_depth(clip_from_object_, origin + dir * hit.t) > 1.0f) {
@@ -68,7 +68,7 @@ public:
         if (!nearest.hit) {
             return;
         }
-        const glm::vec3 normal = shader::hit_normal(shader::load_prism(static_cast<int>(prism_hit)), nearest, tile_);
+        const glm::vec3 normal = shader::hit_normal(shader::prism_of(shell_.prisms[prism_hit]), nearest, tile_);
         picture_.hit[pixel] = 1;
         picture_.color[pixel] = glm::vec4(shader::hit_color(params_, normal), 1.0f);
         picture_.distance[pixel] = shader::seen_distance(params_.eye_object, nearest.t, t_near);
@@ -78,6 +78,7 @@ public:
     }
 
 private:
+    const Shell& shell_;
     const View& view_;
     const ViewRays& rays_;
     const ShellParams& params_;
@@ -143,12 +144,11 @@ Rendering render(const Shell& shell, const Map& map, const View& view, const She
     picture.fetches.assign(pixels, 0);
 
     const BoxScene scene(prism_boxes(shell));
-    const shader::ShaderInputs inputs{&map, shell.prisms.data()};
-    const PixelRenderer renderer(view, rays, params, scene, picture);
+    const PixelRenderer renderer(shell, view, rays, params, scene, picture);
     const int columns = (view.size.x + tile_pixels - 1) / tile_pixels;
     const int rows = (view.size.y + tile_pixels - 1) / tile_pixels;
     parallel_for(job, columns * rows, [&](int task) {
-        const shader::InputScope scope(inputs);
+        const shader::FetchScope scope(map);
         const glm::ivec2 first(task % columns * tile_pixels, task / columns * tile_pixels);
         const glm::ivec2 last = glm::min(first + tile_pixels, view.size);
         for (int y = first.y; y < last.y; ++y) {
@@ -166,7 +166,7 @@ std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_tex
         throw InvalidArgument("there are " + std::to_string(pos_texture.size()) + " positions but " +
                               std::to_string(dir_metric.size()) + " directions; give one each");
     }
-    const shader::InputScope scope({&map, nullptr});
+    const shader::FetchScope scope(map);
     shader::Tile tile;
     tile.scale = glm::vec3(1.0f, map.aspect, map.height);
     tile.gdm_nodes = glm::vec3(map.resolution.nodes);
@@ -183,7 +183,7 @@ std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_tex
 std::vector<float> lookup_sdf(const Map& map, std::span<const glm::vec3> pos_texture)
 {
     check_sdf(map);
-    const shader::InputScope scope({&map, nullptr});
+    const shader::FetchScope scope(map);
     shader::Tile tile{};
     tile.sdf_nodes = glm::vec3(map.sdf_nodes);
     std::vector<float> distances(pos_texture.size());
@@ -195,19 +195,29 @@ std::vector<float> lookup_sdf(const Map& map, std::span<const glm::vec3> pos_tex
 
 std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& origin, const glm::vec3& dir, float t_near)
 {
-    const shader::InputScope scope({nullptr, &prism});
-    const shader::PrismSpans spans = shader::prism_spans(shader::load_prism(0), origin, dir, t_near);
+    const shader::Prism loaded = shader::prism_of(prism);
+    const shader::PrismPath path = shader::make_prism_path(loaded, origin, dir);
     std::vector<PrismSpan> result;
-    for (int i = 0; i < spans.count; ++i) {
-        result.push_back({spans.t_in[i], spans.t_out[i], spans.q_in[i], spans.q_out[i]});
+    const auto add = [&](const shader::PrismSpan& span) {
+        const shader::PrismSpan seen = shader::clip_span(path, span, t_near);
+        if (seen.found) {
+            result.push_back({seen.t_in, seen.t_out, seen.q_in, seen.q_out});
+        }
+    };
+    if (path.parallel) {
+        add(shader::parallel_span(loaded, origin, dir));
+        return result;
+    }
+    for (shader::PrismSpan span = shader::next_span(path, path.w_first); span.found;
+         span = shader::next_span(path, span.w_next)) {
+        add(span);
     }
     return result;
 }
 
 glm::vec3 prism_position(const PrismTexels& prism, const glm::vec3& q)
 {
-    const shader::InputScope scope({nullptr, &prism});
-    return shader::prism_position(shader::load_prism(0), q);
+    return shader::prism_position(shader::prism_of(prism), q);
 }
 
 }  // namespace mesoshell

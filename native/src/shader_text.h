@@ -1,6 +1,6 @@
-// The shader text of shaders/lib as C++: compiled once, here, in a namespace of its own, over fetches from a map and a shell.
+// The shader text of shaders/lib as C++: compiled once, here, in a namespace of its own, over fetches from a map.
 //
-// GLSL functions take no context, so the arrays they fetch from are those of the calling thread's ShaderInputs.
+// GLSL functions take no context, so the map they fetch from is the calling thread's FetchScope.
 #pragma once
 
 #include <algorithm>
@@ -14,23 +14,18 @@
 
 namespace mesoshell::shader {
 
-struct ShaderInputs {
-    const Map* map = nullptr;
-    const PrismTexels* prisms = nullptr;
-};
+inline thread_local const Map* fetched_map = nullptr;
 
-inline thread_local ShaderInputs inputs;
-
-// Sets the calling thread's inputs for its lifetime.
-class InputScope {
+// Sets the map that the calling thread fetches from, for its lifetime.
+class FetchScope {
 public:
-    explicit InputScope(const ShaderInputs& scoped) : before_(inputs) { inputs = scoped; }
-    ~InputScope() { inputs = before_; }
-    InputScope(const InputScope&) = delete;
-    InputScope& operator=(const InputScope&) = delete;
+    explicit FetchScope(const Map& map) : before_(fetched_map) { fetched_map = &map; }
+    ~FetchScope() { fetched_map = before_; }
+    FetchScope(const FetchScope&) = delete;
+    FetchScope& operator=(const FetchScope&) = delete;
 
 private:
-    ShaderInputs before_;
+    const Map* before_;
 };
 
 // The two nodes around a coordinate and the share of the second, on a periodic axis or one that clamps.
@@ -69,14 +64,14 @@ using namespace glm;  // NOLINT: the shader text speaks GLSL
 
 #include "../../shaders/lib/pixel.glsl"
 
-inline vec4 fetch_prism_texel(int prism, int texel)
+inline Prism prism_of(const PrismTexels& t)
 {
-    return inputs.prisms[prism][static_cast<std::size_t>(texel)];
+    return make_prism(t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7]);
 }
 
 inline vec4 fetch_gdm_weights(vec3 node, int group)
 {
-    const Map& map = *inputs.map;
+    const Map& map = *fetched_map;
     const glm::ivec3& nodes = map.resolution.nodes;
     const std::size_t slice = static_cast<std::size_t>(map.resolution.nphi) * nodes.y * nodes.x;
     const Bracket x = periodic_bracket(node.x, nodes.x);
@@ -91,7 +86,7 @@ inline vec4 fetch_gdm_weights(vec3 node, int group)
 
 inline vec4 fetch_gdm_eigenmaps(vec2 node, int group)
 {
-    const Map& map = *inputs.map;
+    const Map& map = *fetched_map;
     const int nz = map.resolution.nodes.z;
     const std::size_t slice = static_cast<std::size_t>(map.resolution.ntheta) * nz;
     const Bracket z = clamped_bracket(node.x, nz);
@@ -106,7 +101,7 @@ inline vec4 fetch_gdm_eigenmaps(vec2 node, int group)
 
 inline float fetch_sdf(vec3 node)
 {
-    const Map& map = *inputs.map;
+    const Map& map = *fetched_map;
     const glm::ivec3& nodes = map.sdf_nodes;
     return trilinear(map.sdf.data(), nodes.x, nodes.y, periodic_bracket(node.x, nodes.x), periodic_bracket(node.y, nodes.y),
                      clamped_bracket(node.z, nodes.z));

@@ -1,11 +1,5 @@
-// The fetches of lib/ on a GPU: every sampler of the draw program is touched here and nowhere else.
-// Filtering is trilinear and clamps to the edge; periodic axes carry one repeated node at their end.
-
-vec4 fetch_prism_texel(int prism, int texel)
-{
-    int prisms_per_row = 256;
-    return texelFetch(prism_table, ivec2((prism % prisms_per_row) * 8 + texel, prism / prisms_per_row), 0);
-}
+// The fetches of lib/ from a map's textures. Filtering is trilinear and clamps to the edge; periodic axes carry one repeated
+// node at their end.
 
 vec4 fetch_gdm_weights(vec3 node, int group)
 {

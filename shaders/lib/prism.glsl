@@ -11,29 +11,22 @@ struct Prism {
     vec2 uv_rise[3];   // (u, v) of the top corners minus that of the base corners, tiles
 };
 
-// Texel 0..7 of a prism in the prism table (docs/architecture.md); the host defines it.
-vec4 fetch_prism_texel(int prism, int texel);
-
-Prism load_prism(int index)
+// From the eight texels of a row of the prism table (docs/architecture.md).
+Prism make_prism(vec4 base_0, vec4 base_1, vec4 base_2, vec4 top_0, vec4 top_1, vec4 top_2, vec4 v_first, vec4 v_last)
 {
-    vec4 v_first = fetch_prism_texel(index, 6);
-    vec4 v_last = fetch_prism_texel(index, 7);
-    float v[6];
-    v[0] = v_first.x;
-    v[1] = v_first.y;
-    v[2] = v_first.z;
-    v[3] = v_first.w;
-    v[4] = v_last.x;
-    v[5] = v_last.y;
     Prism prism;
-    for (int i = 0; i < 3; ++i) {
-        vec4 low = fetch_prism_texel(index, i);
-        vec4 high = fetch_prism_texel(index, i + 3);
-        prism.base[i] = vec3(low.x, low.y, low.z);
-        prism.director[i] = vec3(high.x, high.y, high.z) - prism.base[i];
-        prism.uv_base[i] = vec2(low.w, v[i]);
-        prism.uv_rise[i] = vec2(high.w, v[i + 3]) - prism.uv_base[i];
-    }
+    prism.base[0] = vec3(base_0.x, base_0.y, base_0.z);
+    prism.base[1] = vec3(base_1.x, base_1.y, base_1.z);
+    prism.base[2] = vec3(base_2.x, base_2.y, base_2.z);
+    prism.director[0] = vec3(top_0.x, top_0.y, top_0.z) - prism.base[0];
+    prism.director[1] = vec3(top_1.x, top_1.y, top_1.z) - prism.base[1];
+    prism.director[2] = vec3(top_2.x, top_2.y, top_2.z) - prism.base[2];
+    prism.uv_base[0] = vec2(base_0.w, v_first.x);
+    prism.uv_base[1] = vec2(base_1.w, v_first.y);
+    prism.uv_base[2] = vec2(base_2.w, v_first.z);
+    prism.uv_rise[0] = vec2(top_0.w, v_first.w) - prism.uv_base[0];
+    prism.uv_rise[1] = vec2(top_1.w, v_last.x) - prism.uv_base[1];
+    prism.uv_rise[2] = vec2(top_2.w, v_last.y) - prism.uv_base[2];
     return prism;
 }
 

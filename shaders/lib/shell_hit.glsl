@@ -5,6 +5,9 @@
 #include "prism_path.glsl"
 #include "traverse.glsl"
 
+// A ray leaves a prism through a fin and comes back at most once for each fin.
+const int MOST_SPANS = 4;
+
 struct ShellHit {
     bool hit;
     float t;              // ray parameter
@@ -22,18 +25,31 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int trave
     result.q = vec3(0.0f);
     result.pos_texture = vec3(0.0f);
     result.fetches = 0;
-    PrismSpans spans = prism_spans(prism, origin, dir, t_near);
-    for (int i = 0; i < spans.count; ++i) {
-        vec3 entry_texture = prism_texture(prism, spans.q_in[i]);
-        vec3 exit_texture = prism_texture(prism, spans.q_out[i]);
+    PrismPath path = make_prism_path(prism, origin, dir);
+    float w = path.w_first;
+    for (int i = 0; i < MOST_SPANS; ++i) {
+        PrismSpan span = path.parallel ? parallel_span(prism, origin, dir) : next_span(path, w);
+        if (!span.found) {
+            break;
+        }
+        w = span.w_next;
+        span = clip_span(path, span, t_near);
+        if (!span.found) {
+            continue;
+        }
+        vec3 entry_texture = prism_texture(prism, span.q_in);
+        vec3 exit_texture = prism_texture(prism, span.q_out);
         SegmentHit segment = traverse(traversal, tile, tolerance, entry_texture, exit_texture);
         result.fetches += segment.fetches;
         if (segment.hit) {
             // The chord in texture space is not quite the ray; the hit is its foot on the ray, so that depth stays on the pixel.
             result.hit = true;
-            result.q = mix(spans.q_in[i], spans.q_out[i], segment.along);
+            result.q = mix(span.q_in, span.q_out, segment.along);
             result.pos_texture = mix(entry_texture, exit_texture, segment.along);
-            result.t = clamp(dot(prism_position(prism, result.q) - origin, dir), spans.t_in[i], spans.t_out[i]);
+            result.t = clamp(dot(prism_position(prism, result.q) - origin, dir), span.t_in, span.t_out);
+            break;
+        }
+        if (path.parallel) {
             break;
         }
     }

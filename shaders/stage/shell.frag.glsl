@@ -9,7 +9,8 @@ void main()
     vec3 dir = ray_direction(params.eye_object, pos_object);
     float t_near = ray_near(clip_from_object, origin, dir);
     Tile tile = tile_of(params);
-    Prism prism = load_prism(prism_id);
+    Prism prism = make_prism(prism_texel_0, prism_texel_1, prism_texel_2, prism_texel_3, prism_texel_4, prism_texel_5,
+                             prism_texel_6, prism_texel_7);
     ShellHit hit = trace_prism(prism, origin, dir, t_near, params.mode.x, tile, tolerance_of(params));
     if (!hit.hit) {
         discard;

@@ -21,7 +21,6 @@ def test_lookup_matches_cpp(gl, native):
     positions, directions = mail_scenes.probe_points(COUNT)
     table = shader_source.shell_interface()
     preamble = table.glsl_preamble("frag").replace("out vec4 frag_color;", "out vec4 probe_result;")
-    preamble = preamble.replace("in vec3 pos_object;\nflat in int prism_id;\n", "")
     preamble += "layout(binding = 4) uniform sampler2D probe_points;\n"
     program = gl.compile_program(vert=VERTEX, frag=preamble + mail_scenes.probe_source(shader_source))
 

@@ -14,7 +14,10 @@ _SIZES = {"vec4": 16, "ivec4": 16, "mat4": 64}
 
 @dataclass(frozen=True)
 class Interface:
-    """One table of `interface.toml`; names map to GLSL types in the order of their slots."""
+    """One table of `interface.toml`; names map to GLSL types in the order of their slots.
+
+    Varyings map to an interpolation and a type, such as "flat vec4".
+    """
 
     name: str
     push_constants: dict
@@ -66,8 +69,8 @@ class Interface:
             ]
         direction = "out" if stage == "vert" else "in"
         for name, kind in self.varying.items():
-            qualifier = "flat " if kind in ("int", "uint") else ""
-            lines.append(f"{qualifier}{direction} {kind} {name};\n")
+            qualifier, kind = kind.split()
+            lines.append(f"{qualifier} {direction} {kind} {name};\n")
         return "".join(lines)
 
     def cpp_header(self):

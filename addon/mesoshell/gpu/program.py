@@ -50,10 +50,8 @@ def _create_info(interface):
         info.vertex_in(slot, _TYPES[kind], name)
     varying = gpu.types.GPUStageInterfaceInfo("mesoshell_varying")
     for name, kind in interface.varying.items():
-        if kind in ("int", "uint"):
-            varying.flat(_TYPES[kind], name)
-        else:
-            varying.smooth(_TYPES[kind], name)
+        interpolation, kind = kind.split()
+        getattr(varying, interpolation)(_TYPES[kind], name)
     info.vertex_out(varying)
     for slot, (name, kind) in enumerate(interface.fragment_out.items()):
         info.fragment_out(slot, _TYPES[kind], name)

@@ -49,7 +49,7 @@ std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_tex
 // The shader text's lookup of the distance field: tile widths, one a point.
 std::vector<float> lookup_sdf(const Map& map, std::span<const glm::vec3> pos_texture);
 
-// Where one ray runs inside one prism, as the shader text finds it: rows of (t_in, t_out, q_in, q_out), up to three.
+// Where one ray runs inside one prism, as the shader text finds it: rows of (t_in, t_out, q_in, q_out), nearest first.
 struct PrismSpan {
     float t_in;
     float t_out;

@@ -1,0 +1,231 @@
+// The realized mesh: exact areas and volumes over flat surfaces, always inside the shell; and Embree's picture of a mesh.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "camera.h"
+#include "check.h"
+#include "mesoshell/realize.h"
+#include "meshes.h"
+#include "prism_truth.h"
+
+namespace mesoshell {
+namespace {
+
+RealizedMesh realize_on(const SurfaceMesh& surface, float thickness, const Sample& sample)
+{
+    Job job;
+    return realize(surface.shell(thickness), sample, job);
+}
+
+glm::dvec3 corner(const RealizedMesh& mesh, const glm::uvec3& t, int i)
+{
+    return glm::dvec3(mesh.positions[t[i]]);
+}
+
+double area_of(const RealizedMesh& mesh)
+{
+    double area = 0.0;
+    for (const glm::uvec3& t : mesh.triangles) {
+        const glm::dvec3 a = corner(mesh, t, 0);
+        area += 0.5 * glm::length(glm::cross(corner(mesh, t, 1) - a, corner(mesh, t, 2) - a));
+    }
+    return area;
+}
+
+// By the divergence theorem, of a closed mesh.
+double volume_of(const RealizedMesh& mesh)
+{
+    double volume = 0.0;
+    for (const glm::uvec3& t : mesh.triangles) {
+        volume += glm::dot(corner(mesh, t, 0), glm::cross(corner(mesh, t, 1), corner(mesh, t, 2))) / 6.0;
+    }
+    return volume;
+}
+
+RealizedMesh as_realized(const Mesh& mesh)
+{
+    return {mesh.positions, mesh.triangles};
+}
+
+// Sums of some thousand triangles with coordinates of about 1 in single precision, whose errors do not add up all one way.
+constexpr double rounding = 1e-5;
+
+TEST(Realize, SlabOnAFlatSurfaceHasTwiceItsArea)
+{
+    // Whatever the cuts by prisms and tiles: 3 x 2 quads of two triangles, 2.5 x 1.5 tiles.
+    SurfaceMesh surface = flat_grid(3, 2, 2.5f, 1.5f);
+    const RealizedMesh mesh = realize_on(surface, 0.4f, slab(0.1f, 0.3f).sample(0.4f));
+    EXPECT_NEAR(area_of(mesh), 2.0 * 2.5 * 1.5, rounding);
+    for (const glm::vec3& p : mesh.positions) {
+        EXPECT_LT(std::min(std::abs(p.z - 0.1f), std::abs(p.z - 0.3f)), 4 * 0x1p-23f);
+    }
+}
+
+TEST(Realize, BallsOnAFlatSurfaceKeepAreaAndVolume)
+{
+    // Two by three tiles, each half a unit wide: areas shrink by 4, volumes by 8. The ball crosses the tile's borders, and
+    // prisms cut it; over whole periods nothing is lost.
+    const Mesh ball = sphere({0.95f, 0.1f, 0.3f}, 0.25f, 12, 16);
+    SurfaceMesh surface = flat_grid(3, 4, 1.0f, 1.5f);
+    for (glm::vec2& uv : surface.uvs) {
+        uv *= 2.0f;
+    }
+    const RealizedMesh mesh = realize_on(surface, 0.3f, ball.sample(0.6f));
+    EXPECT_NEAR(area_of(mesh), 6 * area_of(as_realized(ball)) / 4, rounding);
+    // Where the surface ends, those balls are cut open, and an open mesh has no volume: now balls that no outline cuts.
+    const Mesh inner = sphere({0.5f, 0.5f, 0.3f}, 0.25f, 12, 16);
+    const RealizedMesh whole = realize_on(surface, 0.3f, inner.sample(0.6f));
+    EXPECT_NEAR(area_of(whole), 6 * area_of(as_realized(inner)) / 4, rounding);
+    EXPECT_NEAR(volume_of(whole), 6 * volume_of(as_realized(inner)) / 8, rounding);
+}
+
+TEST(Realize, TileWithAnAspect)
+{
+    // The modeled rectangle 1 x 2 becomes the unit square of texture space; on a surface with tiles of 0.5 x 1 it has its shape
+    // again at half its size.
+    const Mesh ball = sphere({0.5f, 1.1f, 0.3f}, 0.25f, 12, 16);
+    SurfaceMesh surface = flat_grid(2, 2, 1.0f, 2.0f);
+    for (glm::vec2& uv : surface.uvs) {
+        uv.x *= 2.0f;
+    }
+    const RealizedMesh mesh = realize_on(surface, 0.3f, ball.sample(0.6f, 2.0f));
+    EXPECT_NEAR(area_of(mesh), 4 * area_of(as_realized(ball)) / 4, rounding);
+    EXPECT_NEAR(volume_of(mesh), 4 * volume_of(as_realized(ball)) / 8, rounding);
+}
+
+TEST(Realize, ClippedSolidStaysInTheShell)
+{
+    const RealizedMesh mesh = realize_on(flat_grid(2, 2, 1.0f, 1.0f), 0.4f, sphere({0.5f, 0.5f, 0.1f}, 0.3f, 12, 16).sample(0.3f));
+    ASSERT_FALSE(mesh.positions.empty());
+    for (const glm::vec3& p : mesh.positions) {
+        ASSERT_TRUE(p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 1.0f && p.z >= 0.0f && p.z <= 0.4f);
+    }
+}
+
+TEST(Realize, EveryVertexLiesInAPrismOfTheShell)
+{
+    const Shell shell = torus(1.0f, 0.4f, 9, 7, 4.0f, 3.0f).shell(0.2f);
+    std::vector<PrismTruth> prisms(shell.prisms.begin(), shell.prisms.end());
+    Job job;
+    const RealizedMesh mesh = realize(shell, sphere({0.2f, 0.8f, 0.2f}, 0.2f, 6, 8).sample(0.4f), job);
+    ASSERT_GT(mesh.positions.size(), 3000u);
+    for (std::size_t i = 0; i < mesh.positions.size(); i += 97) {
+        const glm::dvec3 p(mesh.positions[i]);
+        double deepest = -1.0;
+        for (const PrismTruth& prism : prisms) {
+            const glm::dvec3 middle = prism.position({1.0 / 3.0, 1.0 / 3.0, 0.5});
+            if (glm::length(p - middle) < prism.reach(middle) + 1e-3) {
+                deepest = std::max(deepest, prism.depth(p));
+            }
+        }
+        // Positions of up to 1.6 are rounded to 2^-24; prisms are some tenths in size, with fins that meet at flat angles.
+        ASSERT_GE(deepest, -1e-5) << "vertex " << i;
+    }
+}
+
+TEST(Realize, BentTrianglesFollowTheBilinearMap)
+{
+    // A ball around a tube is larger the farther out: the slab's upper sheet at height w on a cylinder-like torus must be as
+    // long as the prisms are there, and not cut corners through them.
+    const Shell shell = torus(1.0f, 0.4f, 9, 7, 4.0f, 3.0f).shell(0.2f);
+    Job job;
+    const RealizedMesh mesh = realize(shell, slab(0.1f, 0.3f).sample(0.4f), job);
+    double exact = 0.0;
+    for (const PrismTexels& texels : shell.prisms) {
+        const PrismTruth prism(texels);
+        for (const double w : {0.25, 0.75}) {
+            const glm::dvec3 a = prism.column(0, w);
+            exact += 0.5 * glm::length(glm::cross(prism.column(1, w) - a, prism.column(2, w) - a));
+        }
+    }
+    EXPECT_NEAR(area_of(mesh), exact, 1e-5 * exact);
+}
+
+TEST(Realize, TopWithOtherUvs)
+{
+    Shell shell = flat_grid(1, 1, 1.0f, 1.0f).shell(0.4f);
+    const Sample sample = slab(0.1f, 0.3f).sample(0.4f);
+    for (const bool u : {true, false}) {
+        Shell other = shell;
+        (u ? other.prisms[1][4].w : other.prisms[1][7].x) += 0.25f;
+        Job job;
+        expect_refusal<InvalidArgument>([&] { realize(other, sample, job); }, {"prism 1", "UVs"});
+    }
+}
+
+TEST(Realize, PrismThatCoversNoTextureIsEmpty)
+{
+    SurfaceMesh surface = flat_grid(1, 1, 1.0f, 1.0f);
+    std::fill(surface.uvs.begin(), surface.uvs.end(), glm::vec2(0.3f));
+    EXPECT_TRUE(realize_on(surface, 0.4f, slab(0.1f, 0.3f).sample(0.4f)).positions.empty());
+}
+
+// --- Trace ---
+
+TEST(Trace, TriangleInPerspectiveAndParallelViews)
+{
+    const std::vector<glm::vec3> positions{{-1, -1, 0}, {1, -1, 0.25f}, {0, 1, 0.5f}};
+    const std::vector<glm::uvec3> triangles{{0, 1, 2}};
+    const glm::dvec3 a(positions[0]);
+    const glm::dvec3 normal = glm::normalize(glm::cross(glm::dvec3(positions[1]) - a, glm::dvec3(positions[2]) - a));
+    for (const bool perspective : {true, false}) {
+        const Camera camera(perspective, {0.4, -0.8, 2.5}, {0, 0, 0}, perspective ? 0.5 : 1.3, {40, 30});
+        Job job;
+        const Trace picture = trace(positions, triangles, camera.view(), job);
+        int hits = 0;
+        for (int y = 0; y < 30; ++y) {
+            for (int x = 0; x < 40; ++x) {
+                const CameraRay ray = camera.ray(x, y);
+                const double t = glm::dot(a - ray.origin, normal) / glm::dot(ray.dir, normal);
+                const glm::dvec3 p = ray.origin + ray.dir * t;
+                double inside = std::numeric_limits<double>::infinity();
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const glm::dvec3 from(positions[i]);
+                    const glm::dvec3 edge = glm::normalize(glm::dvec3(positions[(i + 1) % 3]) - from);
+                    inside = std::min(inside, glm::dot(normal, glm::cross(edge, p - from)));
+                }
+                const std::size_t pixel = static_cast<std::size_t>(y) * 40 + x;
+                if (inside > 1e-5) {
+                    hits += 1;
+                    ASSERT_EQ(picture.hit[pixel], 1);
+                    // A parallel view measures from the near plane.
+                    ASSERT_NEAR(picture.distance[pixel], t, 1e-5);
+                    ASSERT_LT(glm::length(glm::dvec3(picture.normal[pixel]) - normal), 1e-5);
+                } else if (inside < -1e-5) {
+                    ASSERT_EQ(picture.hit[pixel], 0);
+                    ASSERT_TRUE(std::isinf(picture.distance[pixel]));
+                    ASSERT_EQ(picture.normal[pixel], glm::vec3(0.0f));
+                }
+            }
+        }
+        EXPECT_GT(hits, 100);
+    }
+}
+
+TEST(Trace, NothingBeforeTheNearPlane)
+{
+    const std::vector<glm::vec3> positions{{-9, -9, 1.98f}, {9, -9, 1.98f}, {0, 9, 1.98f}, {-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
+    Job job;
+    const std::vector<glm::uvec3> triangles{{0, 1, 2}, {3, 4, 5}};
+    for (const bool perspective : {true, false}) {
+        // The near plane is 0.05 before the eye at z = 2.
+        const Camera camera(perspective, {0, 0, 2}, {0, 0, 0}, 0.01, {3, 3});
+        const Trace picture = trace(positions, triangles, camera.view(), job);
+        for (const float distance : picture.distance) {
+            EXPECT_NEAR(distance, perspective ? 2.0 : 1.95, 1e-3);
+        }
+    }
+}
+
+TEST(Trace, IndexOutOfRange)
+{
+    const std::vector<glm::vec3> positions(3, glm::vec3(0.0f));
+    const std::vector<glm::uvec3> triangles{{0, 1, 2}, {0, 1, 3}};
+    Job job;
+    const View view = Camera(true, {0, 0, 2}, {0, 0, 0}, 0.5, {4, 4}).view();
+    expect_refusal<InvalidArgument>([&] { trace(positions, triangles, view, job); }, {"triangle 1", "3"});
+}
+
+}  // namespace
+}  // namespace mesoshell
