@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tools")]
+sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tools"), str(ROOT / "tests")]
 
 import demo_pictures as pictures  # noqa: E402
 
@@ -94,7 +94,7 @@ def run():
     with stage("viewport (frame)") as row:
         bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=1)
         row["note"] = "the whole window"
-    viewport = pictures.read_window(crop, OUT)
+    viewport = pictures.read_window(crop)
     clip_from_world = crop.clip_from_world
     clip_from_object = clip_from_world @ instance.world_from_object
     lit = lights.read(bpy.context.evaluated_depsgraph_get())

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 import bpy
 import gpu
 import numpy as np
+import x11_screen
 
 BACKGROUND = np.array([0.045, 0.047, 0.052])  # linear
 
 
 @dataclass
 class Crop:
-    """The middle of the 3D View's region, in pixels of the window from its lower left corner."""
+    """The middle of the 3D View's region, in pixels of the screen from its lower left corner."""
 
     x: int
     y: int
@@ -51,27 +52,16 @@ def set_view(camera, size):
     crop[0, 0], crop[1, 1] = region.width / size, region.height / size
     crop[0, 3] = (region.width - 2 * left - size) / size
     crop[1, 3] = (region.height - 2 * bottom - size) / size
-    return Crop(region.x + left, region.y + bottom, size, crop @ np.array(view.perspective_matrix, np.float64))
+    return Crop(window.x + region.x + left, window.y + region.y + bottom, size, crop @ np.array(view.perspective_matrix, np.float64))
 
 
 def redraw():
     bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=1)
 
 
-def read_window(crop, folder):
-    """A screenshot of the real window, cropped: float32 [size, size, 3] as displayed (sRGB), row 0 at the bottom."""
-    path = folder / "window.png"
-    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
-        bpy.ops.screen.screenshot(filepath=str(path))
-    image = bpy.data.images.load(str(path))
-    image.colorspace_settings.name = "Non-Color"
-    width, height = image.size
-    pixels = np.empty(width * height * 4, np.float32)
-    image.pixels.foreach_get(pixels)
-    bpy.data.images.remove(image)
-    path.unlink()
-    whole = pixels.reshape(height, width, 4)
-    return whole[crop.y : crop.y + crop.size, crop.x : crop.x + crop.size, :3]
+def read_window(crop):
+    """What the screen shows of the crop: float32 [size, size, 3] as displayed (sRGB), row 0 at the bottom."""
+    return x11_screen.read()[crop.y : crop.y + crop.size, crop.x : crop.x + crop.size]
 
 
 def encode_srgb(linear):
