@@ -231,6 +231,12 @@ RTCScene make_triangle_scene(std::span<const glm::vec3> positions, std::span<con
                              TriangleScene::Use use)
 {
     RTCDevice device = shared_device();
+    RTCScene scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, flags_for(use));
+    if (triangles.empty()) {  // Embree has no empty buffers
+        rtcCommitScene(scene);
+        return scene;
+    }
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     void* vertex_buffer = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                   sizeof(glm::vec3), positions.size());
@@ -238,14 +244,13 @@ RTCScene make_triangle_scene(std::span<const glm::vec3> positions, std::span<con
                                                  sizeof(glm::uvec3), triangles.size());
     if (vertex_buffer == nullptr || index_buffer == nullptr) {
         rtcReleaseGeometry(geometry);
+        rtcReleaseScene(scene);
         throw_on_error();
         throw std::bad_alloc();
     }
     std::memcpy(vertex_buffer, positions.data(), positions.size_bytes());
     std::memcpy(index_buffer, triangles.data(), triangles.size_bytes());
     rtcCommitGeometry(geometry);
-    RTCScene scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, flags_for(use));
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene);

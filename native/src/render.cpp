@@ -160,11 +160,32 @@ Rendering render(const Shell& shell, const Map& map, const View& view, const She
     return picture;
 }
 
+namespace {
+
+// A lookup at what is no number would read anywhere.
+void check_finite(std::span<const glm::vec3> vectors, const std::string& what)
+{
+    for (std::size_t i = 0; i < vectors.size(); ++i) {
+        if (!std::isfinite(glm::dot(vectors[i], vectors[i]))) {
+            throw InvalidArgument(what + " " + std::to_string(i) + " is not finite");
+        }
+    }
+}
+
+}  // namespace
+
 std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_texture, std::span<const glm::vec3> dir_metric)
 {
     if (pos_texture.size() != dir_metric.size()) {
         throw InvalidArgument("there are " + std::to_string(pos_texture.size()) + " positions but " +
                               std::to_string(dir_metric.size()) + " directions; give one each");
+    }
+    check_finite(pos_texture, "position");
+    check_finite(dir_metric, "direction");
+    for (std::size_t i = 0; i < dir_metric.size(); ++i) {
+        if (glm::dot(dir_metric[i], dir_metric[i]) == 0.0f) {
+            throw InvalidArgument("direction " + std::to_string(i) + " has no length");
+        }
     }
     const shader::FetchScope scope(map);
     shader::Tile tile;
@@ -183,6 +204,7 @@ std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_tex
 std::vector<float> lookup_sdf(const Map& map, std::span<const glm::vec3> pos_texture)
 {
     check_sdf(map);
+    check_finite(pos_texture, "position");
     const shader::FetchScope scope(map);
     shader::Tile tile{};
     tile.sdf_nodes = glm::vec3(map.sdf_nodes);
@@ -208,8 +230,8 @@ std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& or
         add(shader::parallel_span(loaded, origin, dir));
         return result;
     }
-    for (shader::PrismSpan span = shader::next_span(path, path.w_first); span.found;
-         span = shader::next_span(path, span.w_next)) {
+    for (shader::PrismSpan span = shader::next_span(path, -std::numeric_limits<float>::max()); span.found;
+         span = shader::next_span(path, span.t_in)) {
         add(span);
     }
     return result;

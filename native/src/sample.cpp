@@ -1,8 +1,8 @@
 #include "mesoshell/sample.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <string>
 #include <unordered_map>
 
@@ -121,38 +121,47 @@ void Sample::check_values() const
 void Sample::check_closed()
 {
     const std::vector<std::uint32_t> welded = weld_periodic(positions_, aspect_);
-    struct Uses {
-        int forward = 0;
-        int backward = 0;
-        std::uint32_t from = 0;
-        std::uint32_t to = 0;
+    // An edge modulo the periods: two welded vertices, and how many periods it spans beyond them. Edges that join the same
+    // vertices across different borders are different edges, and one may join a vertex to its own copy.
+    struct Edge {
+        std::array<std::int64_t, 4> ends;
+        bool forward;
+        std::uint32_t from;
+        std::uint32_t to;
     };
-    std::unordered_map<std::uint64_t, Uses> edges;
-    edges.reserve(triangles_.size() * 3 / 2);
+    const auto periods_from_welded = [&](std::uint32_t vertex) {
+        const glm::dvec2 offset(positions_[vertex] - positions_[welded[vertex]]);
+        return glm::i64vec2(std::llround(offset.x), std::llround(offset.y / aspect_));
+    };
+    std::vector<Edge> edges;
+    edges.reserve(triangles_.size() * 3);
     for (const glm::uvec3& t : triangles_) {
-        const std::array<std::uint32_t, 3> corner{welded[t.x], welded[t.y], welded[t.z]};
-        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) {
-            continue;
-        }
         for (int i = 0; i < 3; ++i) {
-            const std::uint32_t a = corner[i];
-            const std::uint32_t b = corner[(i + 1) % 3];
-            Uses& uses = edges[static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b)];
-            (a < b ? uses.forward : uses.backward) += 1;
-            uses.from = t[i];
-            uses.to = t[(i + 1) % 3];
-        }
-    }
-    std::size_t open = 0;
-    Uses first;
-    oriented_ = true;
-    for (const auto& [key, uses] : edges) {
-        if ((uses.forward + uses.backward) % 2 != 0) {
-            if (open++ == 0) {
-                first = uses;
+            const std::uint32_t from = t[i];
+            const std::uint32_t to = t[(i + 1) % 3];
+            const std::int64_t a = welded[from];
+            const std::int64_t b = welded[to];
+            const glm::i64vec2 span = periods_from_welded(to) - periods_from_welded(from);
+            const std::array<std::int64_t, 4> there{a, b, span.x, span.y};
+            const std::array<std::int64_t, 4> back{b, a, -span.x, -span.y};
+            if (there != back) {  // else it has no length
+                edges.push_back({std::min(there, back), there < back, from, to});
             }
         }
-        oriented_ = oriented_ && uses.forward == uses.backward;
+    }
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.ends < b.ends; });
+    std::size_t open = 0;
+    Edge first{};
+    oriented_ = true;
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+        int balance = 0;
+        for (end = begin; end < edges.size() && edges[end].ends == edges[begin].ends; ++end) {
+            balance += edges[end].forward ? 1 : -1;
+        }
+        if ((end - begin) % 2 != 0 && open++ == 0) {
+            first = edges[begin];
+        }
+        oriented_ = oriented_ && balance == 0;
     }
     if (open > 0) {
         throw InvalidArgument("the tile's mesh is open at " + std::to_string(open) + " edges (one joins vertices " +

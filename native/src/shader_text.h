@@ -37,14 +37,15 @@ struct Bracket {
 
 inline Bracket periodic_bracket(float node, int count)
 {
-    const float below = std::floor(node);
+    // What is no number stays within the array, and the result is no number either.
+    const float below = node >= 0.0f ? std::floor(node) : 0.0f;
     const int low = static_cast<int>(below) % count;
     return {low, (low + 1) % count, node - below};
 }
 
 inline Bracket clamped_bracket(float node, int count)
 {
-    const float inside = std::clamp(node, 0.0f, static_cast<float>(count - 1));
+    const float inside = node >= 0.0f ? std::min(node, static_cast<float>(count - 1)) : 0.0f;
     const int low = std::min(static_cast<int>(inside), count - 1);
     return {low, std::min(low + 1, count - 1), inside - static_cast<float>(low)};
 }

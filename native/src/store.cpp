@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <climits>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -11,11 +12,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <OpenEXR/IexErrnoExc.h>
+#include <OpenEXR/IexBaseExc.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
@@ -86,13 +88,18 @@ void for_each_row(const Shape& shape, const Copy& copy)
     }
 }
 
-std::string checksum(const std::vector<float>& values)
+std::string checksum(const Map& map, const std::vector<float>& values)
 {
     std::uint64_t hash = 0xCBF29CE484222325u;
-    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-    for (std::size_t i = 0; i < values.size() * sizeof(float); ++i) {
-        hash = (hash ^ bytes[i]) * 0x100000001B3u;
-    }
+    const auto add = [&](const float* numbers, std::size_t count) {
+        const auto* bytes = reinterpret_cast<const unsigned char*>(numbers);
+        for (std::size_t i = 0; i < count * sizeof(float); ++i) {
+            hash = (hash ^ bytes[i]) * 0x100000001B3u;
+        }
+    };
+    const float settings[4] = {map.height, map.aspect, map.rmse, map.max_error};
+    add(settings, 4);
+    add(values.data(), values.size());
     char text[17];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
     return text;
@@ -111,7 +118,7 @@ Imf::Header make_header(const Map& map, const Part& part, const Imath::Box2i& di
     header.channels().insert("Y", Imf::Channel(map.precision == Precision::half ? Imf::HALF : Imf::FLOAT));
     header.insert("mesoshell:version", Imf::IntAttribute(format_version));
     header.insert("mesoshell:shape", Imf::StringAttribute(part.shape.text()));
-    header.insert("mesoshell:checksum", Imf::StringAttribute(checksum(*part.values)));
+    header.insert("mesoshell:checksum", Imf::StringAttribute(checksum(map, *part.values)));
     header.insert("mesoshell:units", Imf::StringAttribute("tile widths"));
     header.insert("mesoshell:height", Imf::FloatAttribute(map.height));
     header.insert("mesoshell:aspect", Imf::FloatAttribute(map.aspect));
@@ -147,52 +154,59 @@ void write_part(Imf::MultiPartOutputFile& file, int index, const Map& map, const
     throw FileError(errno != 0 ? errno : EIO, path);
 }
 
-void flush_to_disk(const std::string& path)
-{
-    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool flushed = file >= 0 && fsync(file) == 0;
-    const int code = errno;
-    if (file >= 0) {
-        close(file);
-    }
-    if (!flushed) {
-        errno = code;
-        throw_errno(path);
-    }
-}
-
-// Removes the temporary file unless it was renamed.
-class TemporaryFile {
+// What OpenEXR writes to, beside the target; removed unless it was kept. OpenEXR writes its last bytes in a destructor, which
+// cannot say that the disk is full, so the first failure of all is remembered here.
+class TemporaryFile : public Imf::OStream {
 public:
     explicit TemporaryFile(const std::string& target)
-        : target_(target), path_(target + ".part-" + std::to_string(getpid()))
+        : OStream(target.c_str()), target_(target), path_(target + ".part-" + std::to_string(getpid())),
+          file_(std::fopen(path_.c_str(), "wbe"))
     {
-        // OpenEXR says only that it failed; this says why.
-        const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-        if (file < 0) {
+        if (file_ == nullptr) {
             throw_errno(target);
         }
-        close(file);
     }
-    ~TemporaryFile()
+    ~TemporaryFile() override
     {
+        if (file_ != nullptr) {
+            std::fclose(file_);
+        }
         if (!path_.empty()) {
             unlink(path_.c_str());
         }
     }
-    const std::string& path() const { return path_; }
+    void write(const char bytes[], int count) override
+    {
+        check(std::fwrite(bytes, 1, static_cast<std::size_t>(count), file_) == static_cast<std::size_t>(count));
+    }
+    std::uint64_t tellp() override { return static_cast<std::uint64_t>(ftello(file_)); }
+    void seekp(std::uint64_t position) override { check(fseeko(file_, static_cast<off_t>(position), SEEK_SET) == 0); }
+
+    // Throws FileError if anything was not written.
     void keep()
     {
-        flush_to_disk(path_);
-        if (std::rename(path_.c_str(), target_.c_str()) != 0) {
-            throw_errno(target_);
-        }
+        check(std::fflush(file_) == 0 && fsync(fileno(file_)) == 0);
+        const bool closed = std::fclose(file_) == 0;
+        file_ = nullptr;
+        check(closed && std::rename(path_.c_str(), target_.c_str()) == 0);
         path_.clear();
     }
 
 private:
+    void check(bool done)
+    {
+        if (!done && code_ == 0) {
+            code_ = errno != 0 ? errno : EIO;
+        }
+        if (code_ != 0) {
+            throw FileError(code_, target_);
+        }
+    }
+
     std::string target_;
     std::string path_;
+    std::FILE* file_;
+    int code_ = 0;
 };
 
 // --- Reading ---
@@ -229,17 +243,22 @@ Shape read_shape(const Imf::Header& header, const std::string& path, std::uintma
         window.max.y + std::int64_t(1) != shape.picture_height()) {
         refuse(path, "the shape '" + text + "' does not fit its picture");
     }
-    // Deflate packs at most about 1030 to 1, so a small file cannot ask for much memory.
-    if (static_cast<double>(shape.picture_width()) * static_cast<double>(shape.picture_height()) >
-        1100.0 * static_cast<double>(file_size)) {
+    // Deflate packs at most about 1030 to 1, and every 16 lines take 20 bytes beside: a small file cannot ask for much memory.
+    const double overhead = 20.0 * std::ceil(static_cast<double>(shape.picture_height()) / 16.0);
+    if (static_cast<double>(shape.picture_width()) * static_cast<double>(shape.picture_height()) * sizeof(std::uint16_t) >
+        1100.0 * (static_cast<double>(file_size) - overhead)) {
         refuse(path, "it promises more data than it can hold");
     }
     return shape;
 }
 
-std::vector<float> read_part(Imf::MultiPartInputFile& file, int index, const Shape& shape, const std::string& path)
+std::vector<float> read_part(Imf::MultiPartInputFile& file, int index, const Shape& shape, const Map& map,
+                             const std::string& path)
 {
     const Imf::Header& header = file.header(index);
+    if (!file.partComplete(index)) {
+        refuse(path, "part " + header.name() + " is not complete");
+    }
     if (header.channels().findChannel("Y") == nullptr) {
         refuse(path, "part " + header.name() + " has no channel Y");
     }
@@ -254,7 +273,7 @@ std::vector<float> read_part(Imf::MultiPartInputFile& file, int index, const Sha
     for_each_row(shape, [&](std::size_t to, std::size_t from, int length) {
         std::copy_n(picture.begin() + from, length, values.begin() + to);
     });
-    if (checksum(values) != attribute<Imf::StringAttribute>(header, "mesoshell:checksum", path)) {
+    if (checksum(map, values) != attribute<Imf::StringAttribute>(header, "mesoshell:checksum", path)) {
         refuse(path, "part " + header.name() + " does not match its checksum");
     }
     return values;
@@ -302,15 +321,15 @@ Map read_map(const std::string& path)
     map.resolution.ntheta = eigenmaps.height;
     const Imf::Channel* channel = header.channels().findChannel("Y");
     map.precision = channel != nullptr && channel->type == Imf::HALF ? Precision::half : Precision::single;
-    map.weights = read_part(file, *parts[0], weights, path);
-    map.eigenmaps = read_part(file, *parts[1], eigenmaps, path);
+    map.weights = read_part(file, *parts[0], weights, map, path);
+    map.eigenmaps = read_part(file, *parts[1], eigenmaps, map, path);
     if (parts[2]) {
         const Shape sdf = read_shape(file.header(*parts[2]), path, file_size);
         if (sdf.rows != 1 || std::min(sdf.columns, std::min(sdf.height, sdf.width)) < 2) {
             refuse(path, "its distance field has too few nodes");
         }
         map.sdf_nodes = glm::ivec3(sdf.width, sdf.height, sdf.columns);
-        map.sdf = read_part(file, *parts[2], sdf, path);
+        map.sdf = read_part(file, *parts[2], sdf, map, path);
     }
     return map;
 }
@@ -326,6 +345,10 @@ void save_map(const Map& map, const std::string& path)
     }
     Imath::Box2i display_window(Imath::V2i(0, 0), Imath::V2i(0, 0));
     for (const Part& part : parts) {
+        if (part.values->empty() || part.values->size() != part.shape.count()) {
+            throw InvalidArgument(std::string(part.name) + " has " + std::to_string(part.values->size()) + " values, but " +
+                                  part.shape.text() + " nodes; compress the map again");
+        }
         if (part.shape.picture_width() > INT_MAX || part.shape.picture_height() > INT_MAX) {
             throw InvalidArgument(std::string(part.name) + " is too large for one picture; use fewer terms or nodes");
         }
@@ -338,12 +361,10 @@ void save_map(const Map& map, const std::string& path)
     }
     TemporaryFile temporary(path);
     try {
-        Imf::MultiPartOutputFile file(temporary.path().c_str(), headers.data(), static_cast<int>(headers.size()), false, 0);
+        Imf::MultiPartOutputFile file(temporary, headers.data(), static_cast<int>(headers.size()), false, 0);
         for (int i = 0; i < static_cast<int>(parts.size()); ++i) {
             write_part(file, i, map, parts[i]);
         }
-    } catch (const Iex::ErrnoExc&) {
-        throw_errno(path);
     } catch (const Iex::BaseExc& problem) {
         throw Error(path + " could not be written: " + problem.what() + "; save it elsewhere");
     }

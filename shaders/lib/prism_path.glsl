@@ -18,8 +18,6 @@ struct PrismPath {
     vec3 depth_director;  // its change from w = 0 to w = 1
     vec3 root_a;          // where N_i is zero; 2 for a root that there is not
     vec3 root_b;
-    float w_first;  // 0 where the ray climbs from base to top, 1 where it descends
-    float w_last;
     bool parallel;  // the ray runs along the offset triangles: there is no height to solve for
 };
 
@@ -30,7 +28,7 @@ struct PrismSpan {
     float t_out;
     vec3 q_in;  // prism coordinates
     vec3 q_out;
-    float w_next;  // where the search for the next stretch begins
+    bool last;  // there is none after it
 };
 
 float cross_2d(vec2 a, vec2 b)
@@ -106,35 +104,23 @@ PrismPath make_prism_path(Prism prism, vec3 origin, vec3 dir)
     path.root_a = vec3(roots_0.x, roots_1.x, roots_2.x);
     path.root_b = vec3(roots_0.y, roots_1.y, roots_2.y);
 
-    // The frame is right-handed with the ray as its third axis: a triangle of positive area faces along the ray.
-    float area_middle = path_area(path, 0.5f);
-    path.w_first = area_middle > 0.0f ? 0.0f : 1.0f;
-    path.w_last = 1.0f - path.w_first;
-    float widest = max(abs(area_middle), max(abs(path_area(path, 0.0f)), abs(path_area(path, 1.0f))));
+    float widest = max(abs(path_area(path, 0.5f)), max(abs(path_area(path, 0.0f)), abs(path_area(path, 1.0f))));
     vec3 true_area = cross(prism.base[1] - prism.base[0], prism.base[2] - prism.base[0]);
     path.parallel = widest <= 1.0e-4f * length(true_area);
     return path;
 }
 
-// The nearest of `nearest` and `root` beyond w, on the way toward `path.w_last`.
-float nearer_cut(PrismPath path, float nearest, float root, float w)
+float nearer_cut(float nearest, float root, float w)
 {
-    bool climbs = path.w_last > path.w_first;
-    bool between = climbs ? root > w && root < nearest : root < w && root > nearest;
-    return between ? root : nearest;
+    return root > w && root < nearest ? root : nearest;
 }
 
-// Between two cuts no numerator changes its sign.
+// The least root above w, at most 1: up to there no numerator changes its sign.
 float next_cut(PrismPath path, float w)
 {
-    float cut = path.w_last;
-    cut = nearer_cut(path, cut, path.root_a.x, w);
-    cut = nearer_cut(path, cut, path.root_b.x, w);
-    cut = nearer_cut(path, cut, path.root_a.y, w);
-    cut = nearer_cut(path, cut, path.root_b.y, w);
-    cut = nearer_cut(path, cut, path.root_a.z, w);
-    cut = nearer_cut(path, cut, path.root_b.z, w);
-    return cut;
+    float cut = nearer_cut(nearer_cut(1.0f, path.root_a.x, w), path.root_b.x, w);
+    cut = nearer_cut(nearer_cut(cut, path.root_a.y, w), path.root_b.y, w);
+    return nearer_cut(nearer_cut(cut, path.root_a.z, w), path.root_b.z, w);
 }
 
 // A ray that runs along the offset triangles stays at one height: the triangle there is clipped in the ray's own parameter.
@@ -142,7 +128,7 @@ PrismSpan parallel_span(Prism prism, vec3 origin, vec3 dir)
 {
     PrismSpan span;
     span.found = false;
-    span.w_next = 1.0f;
+    span.last = true;
     vec3 normal = cross(prism.base[1] - prism.base[0], prism.base[2] - prism.base[0]);
     vec3 center = (prism.base[0] + prism.base[1] + prism.base[2]) / 3.0f;
     float t_center = dot(center - origin, dir);
@@ -188,35 +174,54 @@ PrismSpan parallel_span(Prism prism, vec3 origin, vec3 dir)
     return span;
 }
 
-// The first stretch of the ray inside the prism from height w on, in the ray's order. Start at path.w_first; go on at the
-// span's w_next.
-PrismSpan next_span(PrismPath path, float w)
+// The nearest stretch of the ray inside the prism that begins beyond t_after.
+PrismSpan next_span(PrismPath path, float t_after)
 {
     PrismSpan span;
     span.found = false;
-    float w_open = w;
-    // Six roots cut the heights into seven parts; parts that touch are one stretch.
-    for (int part = 0; part < 7; ++part) {
-        if (w == path.w_last) {
-            break;
-        }
+    span.last = true;
+    span.t_in = 3.0e38f;
+    span.t_out = 3.0e38f;
+    span.q_in = vec3(0.0f);
+    span.q_out = vec3(0.0f);
+    float w = 0.0f;
+    float w_open = 0.0f;
+    bool open = false;
+    // Six roots cut the heights into seven parts; parts that touch are one stretch. An eighth pass closes the last.
+    for (int part = 0; part < 8; ++part) {
         float w_close = next_cut(path, w);
         vec3 n = path_numerators(path, 0.5f * (w + w_close));
-        bool inside = min(n.x, min(n.y, n.z)) > 0.0f || max(n.x, max(n.y, n.z)) < 0.0f;
-        if (span.found && !inside) {
-            break;
-        }
-        if (inside && !span.found) {
-            span.found = true;
+        float least = min(n.x, min(n.y, n.z));
+        float most = max(n.x, max(n.y, n.z));
+        // A ray in a fin is inside both prisms beside it, so that none loses it.
+        bool inside = w < 1.0f && ((least >= 0.0f && most > 0.0f) || (most <= 0.0f && least < 0.0f));
+        if (inside && !open) {
             w_open = w;
+        }
+        if (open && !inside) {
+            float t_open = path_depth(path, w_open);
+            float t_close = path_depth(path, w);
+            bool climbs = t_open <= t_close;
+            float t_in = climbs ? t_open : t_close;
+            if (t_in > t_after) {
+                span.last = !span.found;
+                if (t_in < span.t_in) {
+                    vec3 q_open = path_coordinates(path, w_open);
+                    vec3 q_close = path_coordinates(path, w);
+                    span.found = true;
+                    span.t_in = t_in;
+                    span.t_out = climbs ? t_close : t_open;
+                    span.q_in = climbs ? q_open : q_close;
+                    span.q_out = climbs ? q_close : q_open;
+                }
+            }
+        }
+        open = inside;
+        if (w >= 1.0f) {
+            break;
         }
         w = w_close;
     }
-    span.w_next = w;
-    span.t_in = path_depth(path, w_open);
-    span.t_out = path_depth(path, w);
-    span.q_in = path_coordinates(path, w_open);
-    span.q_out = path_coordinates(path, w);
     return span;
 }
 

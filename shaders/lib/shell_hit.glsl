@@ -26,14 +26,18 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int trave
     result.pos_texture = vec3(0.0f);
     result.fetches = 0;
     PrismPath path = make_prism_path(prism, origin, dir);
-    float w = path.w_first;
+    float t_after = -3.0e38f;
     for (int i = 0; i < MOST_SPANS; ++i) {
-        PrismSpan span = path.parallel ? parallel_span(prism, origin, dir) : next_span(path, w);
+        PrismSpan span = path.parallel ? parallel_span(prism, origin, dir) : next_span(path, t_after);
         if (!span.found) {
             break;
         }
-        w = span.w_next;
+        bool last = span.last;
+        t_after = span.t_in;
         span = clip_span(path, span, t_near);
+        if (!span.found && last) {
+            break;
+        }
         if (!span.found) {
             continue;
         }
@@ -49,7 +53,7 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int trave
             result.t = clamp(dot(prism_position(prism, result.q) - origin, dir), span.t_in, span.t_out);
             break;
         }
-        if (path.parallel) {
+        if (last) {
             break;
         }
     }

@@ -1,7 +1,7 @@
 // What must not change a baked GDM, or change it in a known way: whole periods, whole nodes, the winding, the threads.
 //
-// Vertices, nodes and periods are multiples of 2^-12 here, so moving them is exact, and so are differences of a vertex and a ray's
-// origin; only the order in which triangles are met may differ. One ulp of a distance below 16 is 2^-20.
+// Vertices, nodes and periods are multiples of 2^-12 here, so moving them is exact, and so are differences of a vertex
+// and a ray's origin; only the order in which triangles are met may differ. One ulp of a distance below 16 is 2^-20.
 #include <cmath>
 
 #include "check.h"
@@ -47,7 +47,8 @@ TEST(GdmSymmetry, MovedByNodesRollsTheArray)
     const Gdm still = bake(odd_ball());
     const glm::ivec3 n = small_grid().nodes;
     for (const glm::ivec2 nodes : {glm::ivec2(1, 0), {0, 1}, {3, 2}, {-5, 7}}) {
-        const Gdm rolled = bake(moved(odd_ball(), {static_cast<float>(nodes.x) / 8.0f, static_cast<float>(nodes.y) / 8.0f, 0.0f}));
+        const Gdm rolled =
+            bake(moved(odd_ball(), {static_cast<float>(nodes.x) / 8.0f, static_cast<float>(nodes.y) / 8.0f, 0.0f}));
         for (int phi = 0; phi < 7; ++phi) {
             for (int y = 0; y < n.y; ++y) {
                 for (int x = 0; x < n.x; ++x) {

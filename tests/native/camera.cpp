@@ -4,8 +4,10 @@
 
 namespace mesoshell {
 
-Camera::Camera(bool perspective, const glm::dvec3& eye, const glm::dvec3& target, double half_height, const glm::ivec2& size)
-    : perspective_(perspective), eye_(eye), forward_(glm::normalize(target - eye)), half_height_(half_height), size_(size)
+Camera::Camera(bool perspective, const glm::dvec3& eye, const glm::dvec3& target, double half_height,
+               const glm::ivec2& size)
+    : perspective_(perspective), eye_(eye), forward_(glm::normalize(target - eye)), half_height_(half_height),
+      size_(size)
 {
     // Straight down or up, the picture's top is +y.
     const glm::dvec3 top = std::abs(forward_.z) > 0.999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);

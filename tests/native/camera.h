@@ -1,5 +1,5 @@
-// A pinhole or parallel camera by the words of a photographer: its matrix as a host would give it, and, from trigonometry
-// alone, the ray of every pixel.
+// A pinhole or parallel camera by the words of a photographer: its matrix as a host would give it, and, from
+// trigonometry alone, the ray of every pixel.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -15,8 +15,10 @@ struct CameraRay {
 
 class Camera {
 public:
-    // Looks from `eye` to `target`; half_height is that of the picture at distance 1 (perspective) or anywhere (parallel).
-    Camera(bool perspective, const glm::dvec3& eye, const glm::dvec3& target, double half_height, const glm::ivec2& size);
+    // Looks from `eye` to `target`; half_height is that of the picture at distance 1 (perspective) or anywhere
+    // (parallel).
+    Camera(bool perspective, const glm::dvec3& eye, const glm::dvec3& target, double half_height,
+           const glm::ivec2& size);
 
     View view() const;
     CameraRay ray(int x, int y) const;  // row 0 is the bottom

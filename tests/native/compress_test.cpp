@@ -11,17 +11,23 @@
 namespace mesoshell {
 namespace {
 
-// A raw GDM of 7 x 5 x 8 = 280 rows and 4 x 6 = 24 columns, and its exact singular values.
+// A raw GDM of 9 x 7 x 8 = 504 rows and 6 x 4 = 24 columns, of some balls, and its exact singular values.
 class Compress : public testing::Test {
 protected:
     static void SetUpTestSuite()
     {
         GdmResolution r;
-        r.nodes = glm::ivec3(7, 5, 6);
-        r.ntheta = 4;
+        r.nodes = glm::ivec3(9, 7, 4);
+        r.ntheta = 6;
         r.nphi = 8;
         Job job;
-        const Sample sample = sphere({0.4f, 0.3f, 0.3f}, 0.27f, 12, 16).sample(0.6f, 0.8f);
+        Random random(1);
+        Mesh balls;
+        for (int i = 0; i < 6; ++i) {
+            const glm::vec3 center(random.in_box({0.0, 0.0, 0.1}, {1.0, 0.8, 0.5}));
+            balls = merged(balls, sphere(center, static_cast<float>(random.uniform(0.05, 0.2)), 8, 12));
+        }
+        const Sample sample = balls.sample(0.6f, 0.8f);
         gdm = bake_gdm(sample, r, job);
         sdf = bake_sdf(sample, {5, 4, 3}, job);
         singular = raw().bdcSvd().singularValues();
@@ -64,16 +70,17 @@ protected:
         return std::sqrt(singular.tail(columns - terms).squaredNorm() / (rows * columns));
     }
 
-    // The Gram matrix is summed in single precision, its error spreads like a random walk over the rows: relative to the
-    // largest eigenvalue about 2^-24 sqrt(rows). k wrong eigenvectors lose at most 2k times that of the captured squares.
+    // The Gram matrix is summed in single precision, its error spreads like a random walk over the rows: relative to
+    // the largest eigenvalue about 2^-24 sqrt(rows). k wrong eigenvectors lose at most 2k times that of the captured
+    // squares.
     static double worst_rmse(int terms)
     {
         const double lost = 2.0 * terms * 0x1p-24 * std::sqrt(rows) * singular[0] * singular[0];
         return std::sqrt(optimal_rmse(terms) * optimal_rmse(terms) + lost / (rows * columns)) + rounding;
     }
 
-    static constexpr int rows = 8 * 5 * 7;
-    static constexpr int columns = 4 * 6;
+    static constexpr int rows = 8 * 7 * 9;
+    static constexpr int columns = 6 * 4;
     // A value is a sum of up to 24 products, none larger than the row's norm, which is below 6 tile widths here.
     static constexpr double rounding = 24 * 6 * 0x1p-24;
     static inline Gdm gdm;
@@ -84,8 +91,8 @@ protected:
 TEST_F(Compress, TheTestTileIsWorthCompressing)
 {
     EXPECT_LT(raw().rowwise().norm().maxCoeff(), 6.0);
-    EXPECT_GT(optimal_rmse(8), 0.005);
-    EXPECT_GT(optimal_rmse(20), 100 * rounding);
+    EXPECT_GT(optimal_rmse(8), 0.03);
+    EXPECT_GT(optimal_rmse(16), 0.002);
 }
 
 TEST_F(Compress, AllTermsGiveTheRawValuesBack)
@@ -110,7 +117,7 @@ TEST_F(Compress, EckartYoung)
 
 TEST_F(Compress, TheBoundOfEckartYoungIsNarrow)
 {
-    for (const int terms : {1, 2, 3, 5, 8, 13}) {
+    for (const int terms : {1, 2, 3, 5, 8, 10}) {
         EXPECT_LT(worst_rmse(terms), 1.01 * optimal_rmse(terms)) << terms << " terms";
         EXPECT_LT(worst_rmse(terms + 1), optimal_rmse(terms)) << terms << " terms";
     }
@@ -140,7 +147,7 @@ TEST_F(Compress, ReportedErrorsAreThoseOfTheStoredTerms)
 
 TEST_F(Compress, MaxRmseIsHonoredWithTheFewestTerms)
 {
-    for (const float wanted : {0.2f, 0.05f, 0.02f, 0.005f}) {
+    for (const float wanted : {0.2f, 0.1f, 0.05f, 0.02f, 0.01f}) {
         const Map map = compressed(3, Precision::single, wanted);
         EXPECT_LE(map.rmse, wanted);
         ASSERT_GT(map.terms, 1);

@@ -50,7 +50,8 @@ TEST(LimitSurface, FlatGridStaysFlatWithExactUvsAndNormals)
                 EXPECT_EQ(v.base.z, 0.0f);
                 EXPECT_LT(glm::length(v.normal - glm::vec3(0, 0, 1)), rounding);
                 // Regular subdivision reproduces linear functions: vertices lie on the finer grid, and UVs are (x, y).
-                EXPECT_LT(glm::length(v.base * float(split) - glm::round(v.base * float(split))), rounding * float(split));
+                EXPECT_LT(glm::length(v.base * float(split) - glm::round(v.base * float(split))),
+                          rounding * float(split));
                 EXPECT_LT(glm::length(v.uv - glm::vec2(v.base)), 3.0f * rounding);
             }
             EXPECT_LT(glm::length(shell.lower - glm::vec3(0.0f)), rounding);
@@ -79,8 +80,9 @@ TEST(LimitSurface, FlatTrianglesStayFlatUnderLoop)
 
 TEST(LimitSurface, CornerOfACubeUnderCatmullClark)
 {
-    // Halstead, Kass and DeRose 1993: a vertex of valence n among quads goes to (n^2 V + 4 sum E + sum F) / (n (n + 5)), E its
-    // neighbors along edges, F those across faces. At (1, 1, 1), n = 3: sum E = (1, 1, 1), sum F = (-1, -1, -1).
+    // Halstead, Kass and DeRose 1993: a vertex of valence n among quads goes to (n^2 V + 4 sum E + sum F) / (n (n +
+    // 5)), E its neighbors along edges, F those across faces. At (1, 1, 1), n = 3: sum E = (1, 1, 1), sum F = (-1, -1,
+    // -1).
     const float limit = (9.0f + 4.0f - 1.0f) / 24.0f;
     for (const int levels : {1, 2, 3, 4}) {
         const std::vector<Vertex> vertices = vertices_of(cube().shell(0.25f, levels), 0.25f);
@@ -112,8 +114,8 @@ TEST(LimitSurface, MiddleOfACubesFaceUnderCatmullClark)
 
 TEST(LimitSurface, TipOfAnOctahedronUnderLoop)
 {
-    // Loop 1987: V goes to (1 - n c) V + c sum E with c = 1 / (3 / (8 b) + n), b = (5/8 - (3/8 + cos(2 pi / n) / 4)^2) / n. At a
-    // tip n = 4 and the neighbors cancel.
+    // Loop 1987: V goes to (1 - n c) V + c sum E with c = 1 / (3 / (8 b) + n), b = (5/8 - (3/8 + cos(2 pi / n) / 4)^2)
+    // / n. At a tip n = 4 and the neighbors cancel.
     const double b = (0.625 - 0.375 * 0.375) / 4.0;
     const float limit = static_cast<float>(1.0 - 4.0 / (3.0 / (8.0 * b) + 4.0));
     for (const int levels : {1, 2, 3}) {

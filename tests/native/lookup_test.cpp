@@ -76,8 +76,8 @@ std::vector<double> multiplied_out(const Map& map)
     return values;
 }
 
-// Values lie within 1.4 * terms of one another; a node coordinate of up to 9 errs by at most 8 ulps of 2^-21 (the angle by
-// as much, more steeply near the poles, which the test keeps away from), in five dimensions.
+// Values lie within 1.4 * terms of one another; a node coordinate of up to 9 errs by at most 8 ulps of 2^-21 (the angle
+// by as much, more steeply near the poles, which the test keeps away from), in five dimensions.
 double lookup_error(int terms)
 {
     return 5 * 8 * 0x1p-21 * 1.4 * terms;
@@ -105,7 +105,8 @@ void check_gdm(int terms, std::uint32_t seed)
         const glm::dvec3 p(points[i]);
         const glm::dvec3 d = glm::normalize(glm::dvec3(dirs[i]));
         const double turn = std::atan2(d.y, d.x) / (2.0 * 3.14159265358979324);
-        const double truth = interpolate<5>(raw, axes, {turn * 9, p.y * 4, p.x * 6, std::acos(d.z) / 3.14159265358979324 * 6, p.z * 4});
+        const double truth =
+            interpolate<5>(raw, axes, {turn * 9, p.y * 4, p.x * 6, std::acos(d.z) / 3.14159265358979324 * 6, p.z * 4});
         ASSERT_NEAR(found[i], std::max(truth, 0.0), lookup_error(terms)) << "point " << i;
         positive += truth > 0.0 ? 1 : 0;
     }
@@ -173,7 +174,8 @@ TEST(LookupSdf, BordersOfTheTile)
     Random random(8);
     const Map map = random_map(1, random);
     const float just_below = -0x1p-30f;  // its fractional part rounds to 1
-    const std::vector<glm::vec3> points{{0, 0, 0}, {1, 1, 0}, {-1, 2, 0}, {just_below, 0, 0}, {0, just_below, 0}, {0, 0, -1}};
+    const std::vector<glm::vec3> points{{0, 0, 0},          {1, 1, 0},          {-1, 2, 0},
+                                        {just_below, 0, 0}, {0, just_below, 0}, {0, 0, -1}};
     for (const float value : lookup_sdf(map, points)) {
         EXPECT_EQ(value, map.sdf[0]);
     }

@@ -36,7 +36,8 @@ void add_height_sheet(Mesh& mesh, float start, float aspect, int columns, int ro
     for (int j = 0; j <= rows; ++j) {
         for (int i = 0; i <= columns; ++i) {
             const float share = static_cast<float>(i) / static_cast<float>(columns);
-            mesh.positions.emplace_back(start + share, aspect * static_cast<float>(j) / static_cast<float>(rows), z_at(share));
+            mesh.positions.emplace_back(start + share, aspect * static_cast<float>(j) / static_cast<float>(rows),
+                                        z_at(share));
         }
     }
     add_sheet(mesh, first, columns, rows, faces_down);
@@ -87,7 +88,8 @@ Mesh sphere(const glm::vec3& center, float radius, int rings, int segments)
         const double polar = std::numbers::pi * ring / rings;
         for (int segment = 0; segment < segments; ++segment) {
             const double azimuth = 2.0 * std::numbers::pi * segment / segments;
-            const glm::dvec3 out(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar));
+            const glm::dvec3 out(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
+                                 std::cos(polar));
             mesh.positions.push_back(glm::vec3(glm::dvec3(center) + static_cast<double>(radius) * out));
         }
     }
@@ -139,7 +141,8 @@ Mesh sawtooth(float floor, float low, float high, float start, float aspect, int
 {
     Mesh mesh;
     add_height_sheet(mesh, start, aspect, columns, rows, true, [&](float) { return floor; });
-    add_height_sheet(mesh, start, aspect, columns, rows, false, [&](float share) { return low + (high - low) * share; });
+    add_height_sheet(mesh, start, aspect, columns, rows, false,
+                     [&](float share) { return low + (high - low) * share; });
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     for (int j = 0; j <= rows; ++j) {
         for (const float z : {high, low}) {
@@ -180,7 +183,8 @@ SurfaceMesh torus(float major, float minor, int around, int along, float tiles_u
             const double a = 2.0 * std::numbers::pi * i / around;
             const double b = 2.0 * std::numbers::pi * j / along;
             const glm::dvec3 out(std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b));
-            mesh.positions.push_back(glm::vec3(glm::dvec3(std::cos(a), std::sin(a), 0.0) * double(major) + out * double(minor)));
+            mesh.positions.push_back(
+                glm::vec3(glm::dvec3(std::cos(a), std::sin(a), 0.0) * double(major) + out * double(minor)));
             mesh.normals.push_back(glm::vec3(out));
         }
     }
@@ -194,6 +198,17 @@ SurfaceMesh torus(float major, float minor, int around, int along, float tiles_u
             }
         }
     }
+    return mesh;
+}
+
+SurfaceMesh one_triangle()
+{
+    SurfaceMesh mesh;
+    mesh.positions = {{1, 0, 0}, {0, 2, 0}, {0, 0, 0}};
+    mesh.face_sizes = {3};
+    mesh.corners = {2, 0, 1};
+    mesh.uvs = {{0.125f, 0.25f}, {0.5f, 0.625f}, {0.75f, 0.875f}};
+    mesh.normals = {{0, 0, 2}, {0, 0, 1}, {0, 0, 0.5f}};
     return mesh;
 }
 

@@ -37,8 +37,8 @@ double outer_radius(const Mesh& mesh, const glm::dvec3& center);
 // Two sheets over one period, without side walls: the solid below <= z <= above.
 Mesh slab(float below, float above, float aspect = 1.0f, int columns = 3, int rows = 3);
 
-// The solid above z = floor under a roof that rises from z = low at x = start to z = high at x = start + 1, where a wall falls
-// back to low; alike for every y.
+// The solid above z = floor under a roof that rises from z = low at x = start to z = high at x = start + 1, where a
+// wall falls back to low; alike for every y.
 Mesh sawtooth(float floor, float low, float high, float start, float aspect, int columns = 3, int rows = 3);
 
 // What build_shell reads, with the arrays that it points to.
@@ -65,6 +65,10 @@ SurfaceMesh flat_grid(int columns, int rows, float width, float depth);
 
 // A torus about the z axis; u runs around the axis, v around the tube.
 SurfaceMesh torus(float major, float minor, int around, int along, float tiles_u, float tiles_v);
+
+// The triangle (0, 0, 0), (1, 0, 0), (0, 2, 0), whose corners name its vertices in another order; given normals along
+// +z.
+SurfaceMesh one_triangle();
 
 // The cube [-1, 1]^3 of six quads, each with the whole tile.
 SurfaceMesh cube();

@@ -1,7 +1,8 @@
-// A prism and a ray in double precision: the forward map, its inverse one height at a time, and how far single precision may
-// be off.
+// A prism and a ray in double precision: the forward map, its inverse one height at a time, and how far single
+// precision may be off.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -11,6 +12,19 @@
 #include "mesoshell/shell.h"
 
 namespace mesoshell {
+
+// A near plane behind everything.
+constexpr float everywhere = -1e30f;
+
+inline PrismTexels prism_of(const std::array<glm::vec3, 3>& base, const std::array<glm::vec3, 3>& top)
+{
+    PrismTexels texels{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        texels[i] = glm::vec4(base[i], 0.0f);
+        texels[i + 3] = glm::vec4(top[i], 0.0f);
+    }
+    return texels;
+}
 
 class PrismTruth {
 public:
@@ -29,9 +43,9 @@ public:
         return column(0, q.z) * (1.0 - q.x - q.y) + column(1, q.z) * q.x + column(2, q.z) * q.y;
     }
 
-    // How deep a point lies inside, as the least of its weights and of the distances of its height from 0 and 1; negative
-    // outside, -1 where no height within [-0.1, 1.1] has the point. The heights are sought by bisection of the side on which
-    // the point lies of the triangle at that height.
+    // How deep a point lies inside, as the least of its weights and of the distances of its height from 0 and 1;
+    // negative outside, -1 where no height within [-0.1, 1.1] has the point. The heights are sought by bisection of the
+    // side on which the point lies of the triangle at that height.
     double depth(const glm::dvec3& point) const
     {
         constexpr int steps = 48;
@@ -68,15 +82,16 @@ public:
     {
         double farthest = 0.0;
         for (std::size_t i = 0; i < 3; ++i) {
-            farthest = std::max(farthest, std::max(glm::length(column(i, 0.0) - point), glm::length(column(i, 1.0) - point)));
+            farthest =
+                std::max(farthest, std::max(glm::length(column(i, 0.0) - point), glm::length(column(i, 1.0) - point)));
         }
         return farthest;
     }
 
-    // Error of prism coordinates that a ray's path may have at height w in single precision. Corners at up to the distance D
-    // of the origin project into the ray's frame with errors of 2 D 2^-24 a coordinate; a numerator is made of four products
-    // with coordinates up to the size S of the prism, thrice over for its three coefficients; and the coordinates are
-    // quotients by the seen area.
+    // Error of prism coordinates that a ray's path may have at height w in single precision. Corners at up to the
+    // distance D of the origin project into the ray's frame with errors of 2 D 2^-24 a coordinate; a numerator is made
+    // of four products with coordinates up to the size S of the prism, thrice over for its three coefficients; and the
+    // coordinates are quotients by the seen area.
     double coordinate_error(const glm::dvec3& origin, const glm::dvec3& dir, double w) const
     {
         return 24.0 * reach(origin) * size() * 0x1p-24 / seen_area(dir, w);

@@ -10,10 +10,9 @@
 namespace mesoshell {
 namespace {
 
-constexpr float everywhere = -1e30f;
-
 // Crossings of a ray with the triangle of columns at one height (Möller and Trumbore 1997), in double precision.
-void add_crossing(const PrismTruth& prism, double w, const glm::dvec3& origin, const glm::dvec3& dir, std::vector<double>& out)
+void add_crossing(const PrismTruth& prism, double w, const glm::dvec3& origin, const glm::dvec3& dir,
+                  std::vector<double>& out)
 {
     const glm::dvec3 a = prism.column(0, w);
     const glm::dvec3 ab = prism.column(1, w) - a;
@@ -38,8 +37,8 @@ struct Stretch {
 
 TEST(PrismUnion, ClosedShellHasNoGapsAlongRays)
 {
-    // Between the surface and the offset surface, both closed: a ray enters and leaves the shell where it crosses either, and in
-    // between the spans of the prisms must follow one another.
+    // Between the surface and the offset surface, both closed: a ray enters and leaves the shell where it crosses
+    // either, and in between the spans of the prisms must follow one another.
     const Shell shell = round_octahedron(2).shell(0.2f);
     ASSERT_EQ(shell.prisms.size(), 128u);
     std::vector<PrismTruth> truths;
@@ -90,7 +89,7 @@ TEST(PrismUnion, ClosedShellHasNoGapsAlongRays)
         for (std::size_t k = 0; k < crossings.size(); k += 2) {
             ASSERT_LT(next, spans.size()) << "ray " << i;
             ASSERT_NEAR(spans[next].t_in, crossings[k], spans[next].error_in + 1e-6) << "ray " << i;
-            while (next + 1 < spans.size() && spans[next + 1].t_in < crossings[k + 1] - 5e-4) {
+            while (spans[next].t_out < crossings[k + 1] - spans[next].error_out - 1e-6 && next + 1 < spans.size()) {
                 ASSERT_NEAR(spans[next].t_out, spans[next + 1].t_in, spans[next].error_out + spans[next + 1].error_in)
                     << "ray " << i << " has a gap or an overlap";
                 next += 1;
@@ -99,6 +98,10 @@ TEST(PrismUnion, ClosedShellHasNoGapsAlongRays)
             ASSERT_NEAR(spans[next].t_out, crossings[k + 1], spans[next].error_out + 1e-6) << "ray " << i;
             covered += crossings[k + 1] - crossings[k];
             next += 1;
+            // What an edge of the surface shaves off, shorter than rounding.
+            while (next < spans.size() && spans[next].t_out - crossings[k + 1] < spans[next].error_out + 1e-6) {
+                next += 1;
+            }
         }
         ASSERT_EQ(next, spans.size()) << "ray " << i;
     }

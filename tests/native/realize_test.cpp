@@ -1,4 +1,5 @@
-// The realized mesh: exact areas and volumes over flat surfaces, always inside the shell; and Embree's picture of a mesh.
+// The realized mesh: exact areas and volumes over flat surfaces, always inside the shell; and Embree's picture of a
+// mesh.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -48,7 +49,8 @@ RealizedMesh as_realized(const Mesh& mesh)
     return {mesh.positions, mesh.triangles};
 }
 
-// Sums of some thousand triangles with coordinates of about 1 in single precision, whose errors do not add up all one way.
+// Sums of some thousand triangles with coordinates of about 1 in single precision, whose errors do not add up all one
+// way.
 constexpr double rounding = 1e-5;
 
 TEST(Realize, SlabOnAFlatSurfaceHasTwiceItsArea)
@@ -64,8 +66,8 @@ TEST(Realize, SlabOnAFlatSurfaceHasTwiceItsArea)
 
 TEST(Realize, BallsOnAFlatSurfaceKeepAreaAndVolume)
 {
-    // Two by three tiles, each half a unit wide: areas shrink by 4, volumes by 8. The ball crosses the tile's borders, and
-    // prisms cut it; over whole periods nothing is lost.
+    // Two by three tiles, each half a unit wide: areas shrink by 4, volumes by 8. The ball crosses the tile's borders,
+    // and prisms cut it; over whole periods nothing is lost.
     const Mesh ball = sphere({0.95f, 0.1f, 0.3f}, 0.25f, 12, 16);
     SurfaceMesh surface = flat_grid(3, 4, 1.0f, 1.5f);
     for (glm::vec2& uv : surface.uvs) {
@@ -82,8 +84,8 @@ TEST(Realize, BallsOnAFlatSurfaceKeepAreaAndVolume)
 
 TEST(Realize, TileWithAnAspect)
 {
-    // The modeled rectangle 1 x 2 becomes the unit square of texture space; on a surface with tiles of 0.5 x 1 it has its shape
-    // again at half its size.
+    // The modeled rectangle 1 x 2 becomes the unit square of texture space; on a surface with tiles of 0.5 x 1 it has
+    // its shape again at half its size.
     const Mesh ball = sphere({0.5f, 1.1f, 0.3f}, 0.25f, 12, 16);
     SurfaceMesh surface = flat_grid(2, 2, 1.0f, 2.0f);
     for (glm::vec2& uv : surface.uvs) {
@@ -96,7 +98,8 @@ TEST(Realize, TileWithAnAspect)
 
 TEST(Realize, ClippedSolidStaysInTheShell)
 {
-    const RealizedMesh mesh = realize_on(flat_grid(2, 2, 1.0f, 1.0f), 0.4f, sphere({0.5f, 0.5f, 0.1f}, 0.3f, 12, 16).sample(0.3f));
+    const RealizedMesh mesh =
+        realize_on(flat_grid(2, 2, 1.0f, 1.0f), 0.4f, sphere({0.5f, 0.5f, 0.1f}, 0.3f, 12, 16).sample(0.3f));
     ASSERT_FALSE(mesh.positions.empty());
     for (const glm::vec3& p : mesh.positions) {
         ASSERT_TRUE(p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 1.0f && p.z >= 0.0f && p.z <= 0.4f);
@@ -119,15 +122,16 @@ TEST(Realize, EveryVertexLiesInAPrismOfTheShell)
                 deepest = std::max(deepest, prism.depth(p));
             }
         }
-        // Positions of up to 1.6 are rounded to 2^-24; prisms are some tenths in size, with fins that meet at flat angles.
+        // Positions of up to 1.6 are rounded to 2^-24; prisms are some tenths in size, with fins that meet at flat
+        // angles.
         ASSERT_GE(deepest, -1e-5) << "vertex " << i;
     }
 }
 
 TEST(Realize, BentTrianglesFollowTheBilinearMap)
 {
-    // A ball around a tube is larger the farther out: the slab's upper sheet at height w on a cylinder-like torus must be as
-    // long as the prisms are there, and not cut corners through them.
+    // A ball around a tube is larger the farther out: the slab's upper sheet at height w on a cylinder-like torus must
+    // be as long as the prisms are there, and not cut corners through them.
     const Shell shell = torus(1.0f, 0.4f, 9, 7, 4.0f, 3.0f).shell(0.2f);
     Job job;
     const RealizedMesh mesh = realize(shell, slab(0.1f, 0.3f).sample(0.4f), job);
@@ -205,7 +209,8 @@ TEST(Trace, TriangleInPerspectiveAndParallelViews)
 
 TEST(Trace, NothingBeforeTheNearPlane)
 {
-    const std::vector<glm::vec3> positions{{-9, -9, 1.98f}, {9, -9, 1.98f}, {0, 9, 1.98f}, {-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
+    const std::vector<glm::vec3> positions{{-9, -9, 1.98f}, {9, -9, 1.98f}, {0, 9, 1.98f},
+                                           {-9, -9, 0},     {9, -9, 0},     {0, 9, 0}};
     Job job;
     const std::vector<glm::uvec3> triangles{{0, 1, 2}, {3, 4, 5}};
     for (const bool perspective : {true, false}) {

@@ -39,7 +39,8 @@ TEST(Sample, IndexOutOfRange)
 {
     Mesh mesh = ball;
     mesh.triangles[3].y = static_cast<std::uint32_t>(mesh.positions.size());
-    expect_refusal<InvalidArgument>([&] { mesh.sample(0.6f); }, {"triangle 3", std::to_string(mesh.positions.size()).c_str()});
+    expect_refusal<InvalidArgument>([&] { mesh.sample(0.6f); },
+                                    {"triangle 3", std::to_string(mesh.positions.size()).c_str()});
     mesh.triangles[3].y = ~0u;
     expect_refusal<InvalidArgument>([&] { mesh.sample(0.6f); }, {"triangle 3", "4294967295"});
 }
@@ -162,10 +163,10 @@ TEST(Sample, ClippedTriangles)
 
 TEST(Sample, ClippedAreaIsTheAreaOfTheZone)
 {
-    // Archimedes: the area of a sphere between two planes is 2 pi r times their distance. With steps of s, a band of the
-    // inscribed mesh has cos(s/2)^2 sin(s/2)/(s/2) = 1 - 0.3 s^2 of its zone's area or somewhat more, and never all of it; in
-    // the two bands that the planes cut, the part may differ from its share by an eighth of the relative change of radius,
-    // 0.1 s^2 of the whole.
+    // Archimedes: the area of a sphere between two planes is 2 pi r times their distance. With steps of s, a band of
+    // the inscribed mesh has cos(s/2)^2 sin(s/2)/(s/2) = 1 - 0.3 s^2 of its zone's area or somewhat more, and never all
+    // of it; in the two bands that the planes cut, the part may differ from its share by an eighth of the relative
+    // change of radius, 0.1 s^2 of the whole.
     const float r = 0.4f;
     const Sample sample = sphere({0.5f, 0.5f, 0.25f}, r, 64, 128).sample(0.5f);
     double area = 0.0;

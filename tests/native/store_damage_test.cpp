@@ -93,7 +93,8 @@ TEST(StoreDamage, EveryByteOfTheHeaders)
         bytes[i] = static_cast<char>(bytes[i] ^ 1);
         write_bytes(folder.file("flipped.exr"), bytes);
         load_damaged(folder.file("flipped.exr"), map);
-        ASSERT_FALSE(HasFailure()) << "byte " << i << " of the headers, near '" << whole.substr(i > 24 ? i - 24 : 0, 40) << "'";
+        ASSERT_FALSE(HasFailure()) << "byte " << i << " of the headers, near '" << whole.substr(i > 24 ? i - 24 : 0, 40)
+                                   << "'";
     }
 }
 
@@ -185,7 +186,8 @@ void write_parts(const std::string& path, int width, int height, bool pixels,
         header.compression() = Imf::ZIP_COMPRESSION;
         header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
         header.insert("mesoshell:version", Imf::IntAttribute(1));
-        header.insert("mesoshell:shape", Imf::StringAttribute("1 1 " + std::to_string(height) + " " + std::to_string(width)));
+        header.insert("mesoshell:shape",
+                      Imf::StringAttribute("1 1 " + std::to_string(height) + " " + std::to_string(width)));
         header.insert("mesoshell:checksum", Imf::StringAttribute("0123456789abcdef"));
         header.insert("mesoshell:units", Imf::StringAttribute("tile widths"));
         for (const char* name : {"mesoshell:height", "mesoshell:aspect", "mesoshell:rmse", "mesoshell:maxError"}) {
@@ -228,9 +230,10 @@ TEST(StoreDamage, ShapesThatLie)
 {
     const TemporaryFolder folder;
     const std::string path = folder.file("tile.exr");
-    for (const char* shape : {"1 1 4 5", "1 1 5 4", "2 1 4 4", "1 1 4", "", "1 1 4 4 1", "1 1 4 4x", "0 1 4 4", "1 -1 4 -4",
-                              "-1 -1 -4 -4", "1000000 1000000 1000 1000", "2147483647 2147483647 2147483647 2147483647",
-                              "99999999999999999999 1 4 4", "nan nan nan nan", "1 65536 4 65536"}) {
+    for (const char* shape :
+         {"1 1 4 5", "1 1 5 4", "2 1 4 4", "1 1 4", "", "1 1 4 4 1", "1 1 4 4x", "0 1 4 4", "1 -1 4 -4", "-1 -1 -4 -4",
+          "1000000 1000000 1000 1000", "2147483647 2147483647 2147483647 2147483647", "99999999999999999999 1 4 4",
+          "nan nan nan nan", "1 65536 4 65536"}) {
         for (int liar = 0; liar < 2; ++liar) {
             write_parts(path, 4, 4, true, [&](Imf::Header& header, int part) {
                 if (part == liar) {
@@ -260,8 +263,8 @@ TEST(StoreDamage, AttributesThatAreMissingOrOfAnotherType)
 {
     const TemporaryFolder folder;
     const std::string path = folder.file("tile.exr");
-    for (const char* name : {"mesoshell:version", "mesoshell:shape", "mesoshell:checksum", "mesoshell:height", "mesoshell:aspect",
-                             "mesoshell:rmse", "mesoshell:maxError"}) {
+    for (const char* name : {"mesoshell:version", "mesoshell:shape", "mesoshell:checksum", "mesoshell:height",
+                             "mesoshell:aspect", "mesoshell:rmse", "mesoshell:maxError"}) {
         write_parts(path, 4, 4, true, [&](Imf::Header& header, int) { header.erase(name); });
         expect_refusal<Error>([&] { load_map(path); }, {"not a usable map", name});
         write_parts(path, 4, 4, true, [&](Imf::Header& header, int) {
@@ -281,15 +284,16 @@ TEST(StoreDamage, SettingsThatMakeNoSense)
     const TemporaryFolder folder;
     const std::string path = folder.file("tile.exr");
     for (const char* name : {"mesoshell:height", "mesoshell:aspect"}) {
-        for (const float bad : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-            write_parts(path, 4, 4, true, [&](Imf::Header& header, int) { header.insert(name, Imf::FloatAttribute(bad)); });
+        for (const float bad :
+             {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+            write_parts(path, 4, 4, true,
+                        [&](Imf::Header& header, int) { header.insert(name, Imf::FloatAttribute(bad)); });
             expect_refusal<Error>([&] { load_map(path); }, {"height or aspect"});
         }
     }
     for (const int version : {0, 2, -1}) {
-        write_parts(path, 4, 4, true, [&](Imf::Header& header, int) {
-            header.insert("mesoshell:version", Imf::IntAttribute(version));
-        });
+        write_parts(path, 4, 4, true,
+                    [&](Imf::Header& header, int) { header.insert("mesoshell:version", Imf::IntAttribute(version)); });
         expect_refusal<Error>([&] { load_map(path); }, {"format version", std::to_string(version).c_str()});
     }
 }
@@ -298,7 +302,8 @@ TEST(StoreDamage, PartsThatAreMissingOrHaveOtherChannels)
 {
     const TemporaryFolder folder;
     const std::string path = folder.file("tile.exr");
-    write_parts(path, 4, 4, true, [](Imf::Header& header, int part) { header.setName(part == 0 ? "gdm.weights" : "other"); });
+    write_parts(path, 4, 4, true,
+                [](Imf::Header& header, int part) { header.setName(part == 0 ? "gdm.weights" : "other"); });
     expect_refusal<Error>([&] { load_map(path); }, {"gdm.eigenmaps"});
     write_parts(path, 4, 4, true, [](Imf::Header& header, int) {
         header.channels() = Imf::ChannelList();

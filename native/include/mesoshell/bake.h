@@ -30,7 +30,7 @@ struct Gdm {
     float aspect = 1.0f;
     // [nphi, ny, nx, ntheta, nz], tile widths: to the first surface; 0 inside; to the end of the slab where there is none.
     std::vector<float> values;
-    std::uint64_t ray_count = 0;  // rays cast: nodes outside the solid times directions
+    std::uint64_t ray_count = 0;  // rays cast: nodes outside the solid times directions into the slab
 
     std::size_t index(int phi, int y, int x, int theta, int z) const
     {

@@ -34,7 +34,8 @@ struct CompressOptions {
 };
 
 // Rows are (phi, y, x), columns (theta, z); exact eigenvectors of the Gram matrix, no sampling.
-// `sdf` may be null. Throws InvalidArgument for options out of range or an SDF of another tile; Cancelled.
+// `sdf` may be null. Throws InvalidArgument for options out of range, a max_rmse that rounding alone exceeds, or an SDF of another
+// tile; Cancelled.
 Map compress(const Gdm& gdm, const Sdf* sdf, const CompressOptions& options, Job& job);
 
 }  // namespace mesoshell

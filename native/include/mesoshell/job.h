@@ -17,20 +17,20 @@ public:
     int threads() const { return threads_; }
 
     // Share done, 0 to 1. A call of several stages gives each its own part with `stage`.
-    float fraction() const { return begin_ + (end_ - begin_) * done_.load(std::memory_order_relaxed); }
+    float fraction() const { return fraction_.load(std::memory_order_relaxed); }
 
-    // The next stage covers the fractions [begin, end].
+    // The next stage covers the fractions [begin, end]. Called by the thread that works, between its parallel loops.
     void stage(float begin, float end)
     {
-        done_ = 0.0f;
-        begin_ = begin;
-        end_ = end;
+        length_ = end - begin;
+        fraction_ = begin;
     }
 
+    // `share` of the stage is done.
     void advance(float share)
     {
-        float seen = done_.load(std::memory_order_relaxed);
-        while (!done_.compare_exchange_weak(seen, seen + share, std::memory_order_relaxed)) {
+        float seen = fraction_.load(std::memory_order_relaxed);
+        while (!fraction_.compare_exchange_weak(seen, seen + share * length_, std::memory_order_relaxed)) {
         }
     }
 
@@ -45,9 +45,9 @@ public:
 
 private:
     int threads_;
-    std::atomic<float> begin_{0.0f};
-    std::atomic<float> end_{1.0f};
-    std::atomic<float> done_{0.0f};
+    // One number, so that whoever watches never sees a new stage's beginning with the old one's share.
+    std::atomic<float> fraction_{0.0f};
+    float length_ = 1.0f;  // of the stage
     std::atomic<bool> cancelled_{false};
 };
 

@@ -3,8 +3,8 @@
 // Each array is one part, "gdm.weights", "gdm.eigenmaps" and, where there is one, "sdf": a flat picture, channel Y, half or
 // float, ZIP. The last two dimensions of the array are a slice's rows and columns; slices stand side by side along the
 // dimension before them and below one another along the one before that. Header attributes: `mesoshell:shape` (the array's
-// dimensions), `mesoshell:version`, `mesoshell:checksum` (FNV-1a, 64 bits, of the values as 32-bit floats in the array's
-// order), `mesoshell:units`, and the tile's and the bake's settings.
+// dimensions), `mesoshell:version`, `mesoshell:checksum` (FNV-1a, 64 bits, of height, aspect, rmse, maxError and the
+// values in the array's order, all as 32-bit floats), `mesoshell:units`, and the tile's and the bake's settings.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@
 namespace mesoshell {
 
 // Writes a temporary file beside `path`, flushes it and renames it: an interrupted or failed save leaves what was there.
-// Throws FileError.
+// Throws FileError; InvalidArgument for arrays that do not fit the map's numbers of nodes and terms.
 void save_map(const Map& map, const std::string& path);
 
 // Throws FileError where the file cannot be read, Error where it is truncated, damaged or no map.

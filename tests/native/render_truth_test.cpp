@@ -1,0 +1,77 @@
+// The traversal `sdf` against Embree on the realized mesh, with which it shares no code.
+#include <algorithm>
+#include <cmath>
+
+#include "camera.h"
+#include "check.h"
+#include "mesoshell/realize.h"
+#include "meshes.h"
+#include "render_with.h"
+
+namespace mesoshell {
+namespace {
+
+// How a drawn torus differs from Embree's picture of the tile's triangles warped into the same shell.
+struct Difference {
+    double silhouette_iou;
+    double median_error;   // of the distance, object units
+    double error_95;       // at most so much for 95 % of the pixels that both hit
+    double median_cosine;  // between normals
+};
+
+Difference torus_difference(int around, int along, bool perspective)
+{
+    // Tiles are 2 pi / 9 = 0.7 wide around the axis and 0.42 around the tube, 0.5 tall for a height of 1.
+    const Sample sample = sphere({0.5f, 0.5f, 0.32f}, 0.24f, 24, 32).sample(0.6f);
+    const Shell shell = torus(1.0f, 0.4f, around, along, 9.0f, 6.0f).shell(0.3f);
+    const Map map = sdf_map(sample, {40, 40, 25});
+    Job job;
+    const RealizedMesh mesh = realize(shell, sample, job);
+    const Camera camera(perspective, {1.5, -2.4, 2.2}, {0, 0, 0}, perspective ? 0.55 : 1.9, {160, 128});
+    const Rendering drawn = render_with(shell, map, camera.view(), sdf_traversal);
+    const Trace truth = trace(mesh.positions, mesh.triangles, camera.view(), job);
+    int either = 0;
+    std::vector<double> errors;
+    std::vector<double> cosines;
+    for (std::size_t i = 0; i < drawn.hit.size(); ++i) {
+        either += drawn.hit[i] | truth.hit[i];
+        if ((drawn.hit[i] & truth.hit[i]) != 0) {
+            errors.push_back(std::abs(drawn.distance[i] - truth.distance[i]));
+            cosines.push_back(glm::dot(drawn.normal[i], truth.normal[i]));
+        }
+    }
+    EXPECT_GT(errors.size(), 3000u);
+    std::sort(errors.begin(), errors.end());
+    std::sort(cosines.begin(), cosines.end());
+    const std::size_t count = errors.size();
+    return {static_cast<double>(count) / either, errors[count / 2], errors[count * 95 / 100], cosines[count / 2]};
+}
+
+TEST(Render, SdfAgreesWithTheRealizedTorus)
+{
+    for (const bool perspective : {true, false}) {
+        const Difference difference = torus_difference(96, 64, perspective);
+        // The law of the project. Balls are 10 pixels wide: one of a hundred pixels is a fortieth of a pixel all around
+        // them.
+        EXPECT_GE(difference.silhouette_iou, 0.99);
+        // A voxel is 1/40 of a tile, about 0.5 / 40 in space. Sphere tracing ends 0.02 voxels early, and interpolating
+        // a distance at radius r = 0.24 errs by 3 h^2 / (8 r) = 0.04 voxels: less than a tenth, the ray being aslant
+        // and the chord not the curve.
+        EXPECT_LT(difference.median_error, 0.1 * 0.5 / 40);
+        // Facets turn by pi / 24 from one to the next, so normals of the smooth field differ by a third of that or less
+        // at the median.
+        EXPECT_GT(difference.median_cosine, std::cos(3.14159 / 24 / 2));
+    }
+}
+
+TEST(Render, SdfConvergesToTheRealizedTorusAsPrismsShrink)
+{
+    // One straight segment a prism stands for a curve; how far it is off goes with the prism's size.
+    const Difference coarse = torus_difference(36, 24, true);
+    const Difference fine = torus_difference(72, 48, true);
+    EXPECT_LT(fine.error_95, 0.6 * coarse.error_95);
+    EXPECT_GT(fine.silhouette_iou, coarse.silhouette_iou);
+}
+
+}  // namespace
+}  // namespace mesoshell
