@@ -2,6 +2,7 @@
 
 import ctypes
 import ctypes.util
+import time
 
 import numpy as np
 
@@ -52,4 +53,24 @@ def region(region):
 
     window = bpy.context.window_manager.windows[0]
     left, bottom = window.x + region.x, window.y + region.y
-    return read()[bottom : bottom + region.height, left : left + region.width]
+    # Drivers present on a thread of their own: what stays as it is has arrived.
+    screen = read()
+    while True:
+        time.sleep(0.1)
+        before, screen = screen, read()
+        if np.array_equal(before, screen):
+            return screen[bottom : bottom + region.height, left : left + region.width]
+
+
+def looks_like(shown, linear):
+    """Where a picture of the screen has the linear colors [h, w, 3], as a handler drew them: bool [h, w].
+
+    Blender encodes them by sRGB's curve or, in 3.4, by the power 1/2.2, which is up to 0.033 away in the darkest tones: what
+    lies between the two is right. 8-bit color is rounded twice.
+    """
+    linear = np.clip(linear, 0.0, 1.0)
+    curve = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
+    power = linear ** (1 / 2.2)
+    tolerance = 2.0 / 255.0
+    between = (shown >= np.minimum(curve, power) - tolerance) & (shown <= np.maximum(curve, power) + tolerance)
+    return between.all(axis=-1)

@@ -132,9 +132,7 @@ def compare_window(name, displayed, other_name, drawn, solid):
 
     Pixels where the two are within a thousandth of each other are left out: Blender's depth buffer decides there.
     """
-    shell_color = encode_srgb(drawn["color"][..., :3])
-    # Blender 3.4 displays what handlers draw by the power 1/2.2; sRGB's own curve is at most 0.0135 away. Two roundings.
-    alike = np.abs(displayed - shell_color).max(axis=-1) <= 0.0135 + 2.0 / 255.0
+    alike = x11_screen.looks_like(displayed, drawn["color"][..., :3])
     before = drawn["hit"] & (drawn["distance"] < solid * 0.999)
     behind = drawn["hit"] & (drawn["distance"] > solid * 1.001)
     return {"picture": name, "against": other_name,

@@ -2,7 +2,7 @@
 """Rays per second of a GDM bake of the chain-mail tile, beside Embree alone and BVHTree.ray_cast, in one run.
 
 Paper preset (64 x 64 x 32 nodes, 16 x 32 directions), all cores, over the very same rays. The bake's figure has everything
-in it: checking the mesh, the BVH, inside or outside, writing to memory. BVHTree is one thread, as Python calls it, on a
+in it: the BVHs, inside or outside, writing to memory. BVHTree is one thread, as Python calls it, on a
 random sample of the rays. Shared machines are noisy: read the ratios.
 """
 

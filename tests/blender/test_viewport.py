@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import bpy
+import gpu
 import numpy as np
 import pytest
 from mathutils import Matrix, Vector
@@ -23,14 +24,14 @@ def view():
     area = next(a for a in window.screen.areas if a.type == 'VIEW_3D')
     space = area.spaces.active
     overlay = space.overlay
-    names = ("show_floor", "show_axis_x", "show_axis_y", "show_cursor", "show_text", "show_extras",
+    names = ("show_overlays", "show_floor", "show_axis_x", "show_axis_y", "show_cursor", "show_text", "show_extras",
              "show_outline_selected", "show_object_origins")
     before = {name: getattr(overlay, name) for name in names}
-    for name in names:
+    for name in names[1:]:
         setattr(overlay, name, False)
     space.show_gizmo = space.show_region_ui = space.show_region_toolbar = space.show_region_tool_header = False
     # Ordinary objects in flat colors that no shell has, so that equal color means the shell is what is seen.
-    plain = dict(type='SOLID', light='FLAT', color_type='OBJECT')
+    plain = dict(type='SOLID', light='FLAT', color_type='OBJECT', show_xray=False)
     shading = {name: getattr(space.shading, name) for name in plain}
     for name, value in plain.items():
         setattr(space.shading, name, value)
@@ -73,11 +74,13 @@ def look(space, region, eye, target=(0.0, 0.0, 0.0)):
 
 
 def redraw():
-    bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=1)
+    # On Vulkan what is presented is a frame behind what was drawn.
+    frames = 2 if gpu.platform.backend_type_get() == 'VULKAN' else 1
+    bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=frames)
 
 
 def expected(part, native, instance, objects, clip_from_world, region):
-    """By the reference renderer and Embree: (sRGB color of the shell, where it is in front, where it is behind)."""
+    """By the reference renderer and Embree: (linear color of the shell, where it is in front, where it is behind)."""
     size = (region.width, region.height)
     lit = part("host.lights").read(bpy.context.evaluated_depsgraph_get())
     record = part("gpu.draw").settings_record(traversal="sdf", base_color=instance.settings.base_color, lights=lit,
@@ -91,20 +94,10 @@ def expected(part, native, instance, objects, clip_from_world, region):
         points = np.array([obj.matrix_world @ v.co for v in mesh.vertices], np.float32)
         triangles = np.array([t.vertices[:] for t in mesh.loop_triangles])
         solid = np.minimum(solid, native.trace(points, triangles, clip_from_object=clip_from_world, size=size)["distance"])
-    linear = np.clip(shell["color"][..., :3], 0.0, 1.0)
-    color = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
     hit = shell["hit"] == 1
     hit[:16], hit[-16:], hit[:, :16], hit[:, -16:] = False, False, False, False  # there Blender draws the area's border
     # Within half a percent of each other, the depth buffer decides.
-    return color, hit & (shell["distance"] < 0.995 * solid), hit & (shell["distance"] > 1.005 * solid)
-
-
-def looks_like(shown, color):
-    """Where two sRGB pictures are equal but for how Blender's display encodes what handlers draw.
-
-    3.4 does so by the power 1/2.2 instead of sRGB's own curve, which is at most 0.0135 away; 8-bit color is rounded twice.
-    """
-    return np.abs(shown - color).max(axis=-1) <= 0.0135 + 2.0 / 255.0
+    return shell["color"][..., :3], hit & (shell["distance"] < 0.995 * solid), hit & (shell["distance"] > 1.005 * solid)
 
 
 @pytest.mark.parametrize("eye", [(2.6, -2.7, 2.4), (-3.0, 1.5, 1.0), (0.4, -3.6, -1.2), (1.6, -1.4, 1.2)],
@@ -117,7 +110,39 @@ def test_shell_is_drawn_before_and_behind_ordinary_objects(part, native, view, m
     shown = x11_screen.region(region)
     color, before, behind = expected(part, native, instance, [torus, cube], clip_from_world, region)
     assert before.sum() > 5000 and behind.sum() > 500, "the view shows too little to tell"
-    alike = looks_like(shown, color)
+    alike = x11_screen.looks_like(shown, color)
+    print(f"in front: {alike[before].mean():.3%} of {before.sum()}, behind: {alike[behind].mean():.3%} of {behind.sum()}")
+    assert alike[before].mean() >= 0.999
+    assert alike[behind].mean() <= 0.001
+
+
+EEVEE = 'BLENDER_EEVEE_NEXT' if (4, 2, 0) <= bpy.app.version < (5, 0, 0) else 'BLENDER_EEVEE'
+
+
+@pytest.mark.parametrize("shading, engine, overlays", [
+    (dict(type='SOLID', show_xray=True), EEVEE, True), (dict(type='WIREFRAME', show_xray_wireframe=True), EEVEE, True),
+    (dict(type='RENDERED'), EEVEE, False), (dict(type='RENDERED'), 'CYCLES', False), (dict(type='MATERIAL'), EEVEE, False),
+], ids=["x-ray", "x-ray wireframe", "eevee without overlays", "cycles without overlays", "material without overlays"])
+def test_modes_that_leave_no_depth(part, native, view, mail, shading, engine, overlays):
+    """Where Blender's own depth is not to be had, ours is: the same picture, before and behind."""
+    space, region = view
+    torus, cube = mail
+    torus.mesoshell.base_color = (0.05, 0.9, 0.1)  # a color that no other object has in any mode
+    render, before_engine = bpy.context.scene.render, bpy.context.scene.render.engine
+    render.engine = engine
+    for name, value in shading.items():
+        setattr(space.shading, name, value)
+    space.overlay.show_overlays = overlays
+    try:
+        clip_from_world = look(space, region, (2.6, -2.7, 2.4))
+        instance, = part("host.shells").visible(bpy.context.evaluated_depsgraph_get(), space)
+        shown = x11_screen.region(region)
+        color, before, behind = expected(part, native, instance, [torus, cube], clip_from_world, region)
+    finally:
+        render.engine = before_engine
+        for name in shading:
+            space.shading.property_unset(name)
+    alike = x11_screen.looks_like(shown, color)
     print(f"in front: {alike[before].mean():.3%} of {before.sum()}, behind: {alike[behind].mean():.3%} of {behind.sum()}")
     assert alike[before].mean() >= 0.999
     assert alike[behind].mean() <= 0.001
@@ -133,7 +158,7 @@ def test_moved_object_is_drawn_where_it_is(part, native, view, mail):
     shown = x11_screen.region(region)
     color, before, _behind = expected(part, native, instance, [torus, cube], clip_from_world, region)
     assert before.sum() > 5000
-    assert looks_like(shown, color)[before].mean() >= 0.995
+    assert x11_screen.looks_like(shown, color)[before].mean() >= 0.995
 
 
 def test_disabled_shell_and_hidden_object_are_not_drawn(part, native, view, mail):
@@ -152,7 +177,7 @@ def test_disabled_shell_and_hidden_object_are_not_drawn(part, native, view, mail
     torus.hide_set(False)
     redraw()
     back = x11_screen.region(region)
-    alike = [looks_like(shown, color)[before].mean() for shown in (bare, hidden, back)]
+    alike = [x11_screen.looks_like(shown, color)[before].mean() for shown in (bare, hidden, back)]
     assert alike[0] <= 0.05 and alike[1] <= 0.05 and alike[2] >= 0.995
 
 

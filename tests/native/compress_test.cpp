@@ -11,13 +11,14 @@
 namespace mesoshell {
 namespace {
 
-// A raw GDM of 9 x 7 x 8 = 504 rows and 6 x 4 = 24 columns, of some balls, and its exact singular values.
+// A raw GDM of 13 x 11 x 8 = 1144 rows and 6 x 4 = 24 columns, of some balls, and its exact singular values. More rows
+// than the code sums up at a time.
 class Compress : public testing::Test {
 protected:
     static void SetUpTestSuite()
     {
         GdmResolution r;
-        r.nodes = glm::ivec3(9, 7, 4);
+        r.nodes = glm::ivec3(13, 11, 4);
         r.ntheta = 6;
         r.nphi = 8;
         Job job;
@@ -79,7 +80,7 @@ protected:
         return std::sqrt(optimal_rmse(terms) * optimal_rmse(terms) + lost / (rows * columns)) + rounding;
     }
 
-    static constexpr int rows = 8 * 7 * 9;
+    static constexpr int rows = 8 * 11 * 13;
     static constexpr int columns = 6 * 4;
     // A value is a sum of up to 24 products, none larger than the row's norm, which is below 6 tile widths here.
     static constexpr double rounding = 24 * 6 * 0x1p-24;

@@ -80,8 +80,8 @@ TEST(LimitSurface, FlatTrianglesStayFlatUnderLoop)
 
 TEST(LimitSurface, CornerOfACubeUnderCatmullClark)
 {
-    // Halstead, Kass and DeRose 1993: a vertex of valence n among quads goes to (n^2 V + 4 sum E + sum F) / (n (n +
-    // 5)), E its neighbors along edges, F those across faces. At (1, 1, 1), n = 3: sum E = (1, 1, 1), sum F = (-1, -1,
+    // Halstead, Kass and DeRose 1993: a vertex V of valence n among quads goes to (n^2 V + 4 E + F) / (n (n + 5)), E
+    // the sum of its neighbors along edges, F of those across faces. At (1, 1, 1) n is 3, E = (1, 1, 1), F = (-1, -1,
     // -1).
     const float limit = (9.0f + 4.0f - 1.0f) / 24.0f;
     for (const int levels : {1, 2, 3, 4}) {
@@ -114,8 +114,8 @@ TEST(LimitSurface, MiddleOfACubesFaceUnderCatmullClark)
 
 TEST(LimitSurface, TipOfAnOctahedronUnderLoop)
 {
-    // Loop 1987: V goes to (1 - n c) V + c sum E with c = 1 / (3 / (8 b) + n), b = (5/8 - (3/8 + cos(2 pi / n) / 4)^2)
-    // / n. At a tip n = 4 and the neighbors cancel.
+    // Loop 1987: V goes to (1 - n c) V + c times the sum of its n neighbors, c = 1 / (3 / (8 b) + n),
+    // b = (5/8 - (3/8 + cos(2 pi / n) / 4)^2) / n. At a tip n is 4 and the neighbors cancel.
     const double b = (0.625 - 0.375 * 0.375) / 4.0;
     const float limit = static_cast<float>(1.0 - 4.0 / (3.0 / (8.0 * b) + 4.0));
     for (const int levels : {1, 2, 3}) {

@@ -43,13 +43,21 @@ public:
         return column(0, q.z) * (1.0 - q.x - q.y) + column(1, q.z) * q.x + column(2, q.z) * q.y;
     }
 
+    struct Place {
+        glm::dvec3 q{0.0};
+        double depth = -1.0;
+    };
+
     // How deep a point lies inside, as the least of its weights and of the distances of its height from 0 and 1;
     // negative outside, -1 where no height within [-0.1, 1.1] has the point. The heights are sought by bisection of the
     // side on which the point lies of the triangle at that height.
-    double depth(const glm::dvec3& point) const
+    double depth(const glm::dvec3& point) const { return locate(point).depth; }
+
+    // The same with the point's prism coordinates.
+    Place locate(const glm::dvec3& point) const
     {
         constexpr int steps = 48;
-        double deepest = -1.0;
+        Place deepest;
         double w_before = -0.1;
         double side_before = side_at(point, w_before);
         for (int i = 1; i <= steps; ++i) {
@@ -62,7 +70,10 @@ public:
                     const double middle = 0.5 * (low + high);
                     ((side_at(point, middle) < 0.0) == (side_before < 0.0) ? low : high) = middle;
                 }
-                deepest = std::max(deepest, depth_at(point, low));
+                const Place place = place_at(point, low);
+                if (place.depth > deepest.depth) {
+                    deepest = place;
+                }
             }
             w_before = w;
             side_before = side;
@@ -106,14 +117,14 @@ private:
         return glm::dot(point - p0, glm::cross(column(1, w) - p0, column(2, w) - p0));
     }
 
-    double depth_at(const glm::dvec3& point, double w) const
+    Place place_at(const glm::dvec3& point, double w) const
     {
         const glm::dvec3 p0 = column(0, w);
         const glm::dvec3 normal = glm::cross(column(1, w) - p0, column(2, w) - p0);
         const double area = glm::dot(normal, normal);
         const double q1 = glm::dot(glm::cross(point - p0, column(2, w) - p0), normal) / area;
         const double q2 = glm::dot(glm::cross(column(1, w) - p0, point - p0), normal) / area;
-        return std::min(std::min(std::min(q1, q2), 1.0 - q1 - q2), std::min(w, 1.0 - w));
+        return {{q1, q2, w}, std::min(std::min(std::min(q1, q2), 1.0 - q1 - q2), std::min(w, 1.0 - w))};
     }
 
     std::array<glm::dvec3, 3> base_;

@@ -227,6 +227,20 @@ TEST(Render, MirroredUvsGiveTheMirrorImage)
     EXPECT_NE(a.hit, b.hit);
 }
 
+TEST(Render, ShellOnTheBackOfItsFaces)
+{
+    // Normals given against the winding: the shell hangs below the square, and so do the solid's normals.
+    SurfaceMesh mesh = flat_grid(1, 1, 1.0f, 1.0f);
+    mesh.normals.assign(4, glm::vec3(0, 0, -1));
+    const Camera camera(false, {0.5, 0.5, -2.0}, {0.5, 0.5, 0.0}, 0.25, {5, 5});
+    const Rendering picture = render_with(mesh.shell(slab_height), slab_map(), camera.view(), sdf_traversal);
+    for (std::size_t i = 0; i < picture.hit.size(); ++i) {
+        ASSERT_EQ(picture.hit[i], 1);
+        EXPECT_NEAR(picture.distance[i], 2.0 - Camera::near - slab_above, 0.02 / 16 + 1e-5);
+        EXPECT_LT(glm::length(picture.normal[i] - glm::vec3(0, 0, -1)), 1e-3f);
+    }
+}
+
 TEST(Render, SettingsLightTheHits)
 {
     ShellParams params = settings(sdf_traversal);

@@ -90,8 +90,8 @@ TEST(Shell, UvIslandsShareVerticesButNotUvs)
 TEST(Shell, ShorterDiagonalSplitsAQuad)
 {
     SurfaceMesh mesh = flat_grid(1, 1, 1.0f, 1.0f);
-    mesh.positions[0] = {-1.0f, -1.0f,
-                         0.0f};  // now the diagonal between the corners 1 and 3 of the face is the shorter
+    // Now the diagonal between the corners 1 and 3 of the face is the shorter.
+    mesh.positions[0] = {-1.0f, -1.0f, 0.0f};
     const Shell shell = mesh.shell(0.1f);
     ASSERT_EQ(shell.prisms.size(), 2u);
     int with_far_corner = 0;

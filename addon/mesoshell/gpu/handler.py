@@ -6,8 +6,8 @@ import bpy
 import numpy
 
 from ..core import native
-from ..host import lights, shells
-from . import draw, program, resources
+from ..host import lights, shells, versions
+from . import draw, program, resources, scene_depth
 
 _handle = None
 _problem = None
@@ -28,6 +28,8 @@ def _draw():
             return
         clip_from_world = numpy.array(context.region_data.perspective_matrix, numpy.float64)
         lit = lights.read(depsgraph)
+        if not versions.handlers_see_depth(context.space_data, context.scene.render.engine):
+            scene_depth.draw(depsgraph, context.space_data, clip_from_world)
         for instance in instances:
             draw.draw_shell(instance, clip_from_world, lit)
         _problem = None
@@ -40,6 +42,7 @@ def _draw():
 
 def register():
     global _handle
+    scene_depth.register()
     _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
 
 
@@ -49,5 +52,6 @@ def unregister():
         bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
         _handle = None
     _problem = None
+    scene_depth.unregister()
     resources.forget()
     program.forget()

@@ -7,6 +7,10 @@ import numpy as np
 PATH_OPTIONS = {'PATH_SUPPORTS_BLEND_RELATIVE'} if bpy.app.version >= (4, 5, 0) else set()
 
 
+# GPUShader's name for a shader that fills triangles with one color.
+FLAT_COLOR_SHADER = 'UNIFORM_COLOR' if bpy.app.version >= (4, 0, 0) else '3D_UNIFORM_COLOR'
+
+
 def object_key(obj):
     """Tells objects apart for the length of a session, whatever their names; undo may change it before 4.1."""
     uid = getattr(obj, "session_uid", None)
@@ -49,3 +53,17 @@ def draw_progress(layout, text, fraction, fallback, fallback_property):
         layout.progress(text=text, factor=fraction)
     else:
         layout.prop(fallback, fallback_property, text=text, slider=True)
+
+
+def handlers_see_depth(space, engine):
+    """Whether draw handlers of a 3D View find the scene's depth in the framebuffer (seen on 3.4.1, 4.3.2 and 5.2.2).
+
+    X-ray views have none before 5.0. With overlays off, Cycles leaves none, and since 4.2 Eevee neither.
+    """
+    shading, overlays = space.shading, space.overlay.show_overlays
+    if shading.type in {'SOLID', 'WIREFRAME'}:
+        xray = shading.show_xray if shading.type == 'SOLID' else shading.show_xray_wireframe
+        return not xray or bpy.app.version >= (5, 0, 0)
+    if shading.type == 'RENDERED' and engine == 'CYCLES':
+        return overlays
+    return overlays or bpy.app.version < (4, 2, 0)

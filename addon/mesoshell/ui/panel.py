@@ -4,6 +4,7 @@ import textwrap
 
 import bpy
 
+from ..gpu import handler
 from ..host import bake_state, shells, versions
 
 
@@ -67,7 +68,7 @@ class MESOSHELL_PT_shell(MesoshellPanel, bpy.types.Panel):
         for name in ("map_path", "thickness", "tiles_u", "tiles_v", "levels", "scheme", "traversal", "base_color"):
             layout.prop(settings, name)
         count = shells.prism_count(obj)
-        _draw_sentence(layout, context, shells.problem(obj), 'ERROR')
+        _draw_sentence(layout, context, shells.problem(obj) or handler.problem(), 'ERROR')
         if count is not None:
             layout.label(text=f"{count} prisms")
         layout.operator("mesoshell.remove_shell", icon='X')
