@@ -9,7 +9,7 @@ import numpy
 from bpy.app.handlers import persistent
 from mathutils import Matrix
 
-from ..host import versions
+from ..host import handlers, versions
 
 _SOLID_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META'}
 
@@ -98,13 +98,9 @@ _HANDLERS = (("depsgraph_update_post", _on_depsgraph_update), ("undo_post", _on_
 
 
 def register():
-    for name, function in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(function)
+    handlers.add(_HANDLERS)
 
 
 def unregister():
-    for name, function in _HANDLERS:
-        handlers = getattr(bpy.app.handlers, name)
-        if function in handlers:
-            handlers.remove(function)
+    handlers.remove(_HANDLERS)
     forget()

@@ -5,6 +5,7 @@ from bpy.app.handlers import persistent
 from bpy.props import FloatProperty
 
 from ..core import jobs
+from . import handlers
 
 job = None  # core.jobs.Job while one runs
 title = ""  # what the progress bar says
@@ -45,15 +46,17 @@ def _on_load_pre(*_arguments):
         finish("The bake was cancelled because another file was opened", False)
 
 
+_HANDLERS = (("load_pre", _on_load_pre),)
+
+
 def register():
     bpy.types.WindowManager.mesoshell_bake_fraction = FloatProperty(
         name="Progress", description="Of the bake that runs", min=0.0, max=1.0, get=_fraction_property)
-    bpy.app.handlers.load_pre.append(_on_load_pre)
+    handlers.add(_HANDLERS)
 
 
 def unregister():
     jobs.cancel_all()
     finish("", False)
-    if _on_load_pre in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_on_load_pre)
+    handlers.remove(_HANDLERS)
     del bpy.types.WindowManager.mesoshell_bake_fraction

@@ -14,7 +14,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from ..core import native
-from . import map_cache, meshes, paths, versions
+from . import handlers, map_cache, meshes, paths, versions
 
 
 class ShellSettings(NamedTuple):
@@ -212,13 +212,9 @@ _HANDLERS = (("depsgraph_update_post", _on_depsgraph_update), ("undo_post", _on_
 
 
 def register():
-    for name, function in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(function)
+    handlers.add(_HANDLERS)
 
 
 def unregister():
-    for name, function in _HANDLERS:
-        handlers = getattr(bpy.app.handlers, name)
-        if function in handlers:
-            handlers.remove(function)
+    handlers.remove(_HANDLERS)
     forget()
