@@ -1,5 +1,5 @@
 // The one home of Embree: every ray and every closest-point query goes through these classes.
-// Embree 3 and Embree 4 differ only inside embree_scene.cpp.
+// Embree 3 and Embree 4 differ only inside embree_scene_api.h.
 #pragma once
 
 #include <cstdint>
