@@ -3,7 +3,6 @@
     native      tests/native, GoogleTest through CTest
     tools       tools/tests, pytest
     gl          tests/gl, pytest with surfaceless EGL
-    parity      tests/parity, the same
     background  tests/blender in `blender --background`
     window      tests/blender in a Blender window under Xvfb
 """
@@ -69,12 +68,9 @@ LAYERS = {
     "native": native,
     "tools": lambda: python("tools", REPO / "tools/tests"),
     "gl": lambda: python("gl", REPO / "tests/gl"),
-    "parity": lambda: python("parity", REPO / "tests/parity"),
     "background": lambda: blender("background"),
     "window": lambda: blender("window"),
 }
-# Present only from a later issue on.
-OPTIONAL = {"parity": REPO / "tests/parity"}
 
 
 def main() -> int:
@@ -83,7 +79,7 @@ def main() -> int:
         if name not in LAYERS:
             raise Problem(f"there is no layer {name}; there are {', '.join(LAYERS)}")
     if not names:
-        names = [n for n in LAYERS if n not in OPTIONAL or any(OPTIONAL[n].glob("test_*.py"))]
+        names = list(LAYERS)
     LOGS.mkdir(parents=True, exist_ok=True)
     layers = []
     for name in names:

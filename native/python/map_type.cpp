@@ -1,4 +1,6 @@
 // mesoshell_native.Map, compress, load
+#include <algorithm>
+
 #include "arrays.h"
 #include "mesoshell/compress.h"
 #include "mesoshell/render.h"
@@ -110,7 +112,10 @@ PyObject* map_lookup(PyObject* self, PyObject* args)
         }
         const ArrayArgument<float> pos(state_of(self), positions, "pos_texture", 3);
         const ArrayArgument<float> dir(state_of(self), directions, "dir_metric", 3);
-        std::vector<float> distances = lookup_gdm(self_of(self), pos.rows<glm::vec3>(), dir.rows<glm::vec3>());
+        const auto map = unbox<Map>(self);
+        Job job;
+        std::vector<float> distances =
+            run(job, nullptr, [&] { return lookup_gdm(*map, pos.rows<glm::vec3>(), dir.rows<glm::vec3>()); });
         const auto count = static_cast<Py_ssize_t>(distances.size());
         return array_from(state_of(self), std::move(distances), 'f', {count});
     });
@@ -120,7 +125,9 @@ PyObject* map_sample_sdf(PyObject* self, PyObject* positions)
 {
     return guarded(state_of(self), [&] {
         const ArrayArgument<float> pos(state_of(self), positions, "pos_texture", 3);
-        std::vector<float> distances = lookup_sdf(self_of(self), pos.rows<glm::vec3>());
+        const auto map = unbox<Map>(self);
+        Job job;
+        std::vector<float> distances = run(job, nullptr, [&] { return lookup_sdf(*map, pos.rows<glm::vec3>()); });
         const auto count = static_cast<Py_ssize_t>(distances.size());
         return array_from(state_of(self), std::move(distances), 'f', {count});
     });
@@ -181,7 +188,8 @@ PyObject* py_compress(PyObject* module, PyObject* args, PyObject* kwargs)
             throw InvalidArgument("terms and max_rmse are both given; choose one");
         }
         if (terms != Py_None) {
-            options.terms = static_cast<int>(PyLong_AsLong(terms));
+            const long wanted = PyLong_AsLong(terms);
+            options.terms = static_cast<int>(std::clamp(wanted, -1L, 1L << 30));
         }
         if (max_rmse != Py_None) {
             options.max_rmse = static_cast<float>(PyFloat_AsDouble(max_rmse));

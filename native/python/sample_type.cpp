@@ -1,6 +1,7 @@
 // mesoshell_native.Sample
 #include "arrays.h"
 #include "mesoshell/sample.h"
+#include "run.h"
 
 namespace mesoshell::python {
 namespace {
@@ -39,9 +40,12 @@ PyObject* sample_new(PyTypeObject* type, PyObject* args, PyObject* kwargs)
         const ArrayArgument<float> position_array(state, positions, "positions", 3);
         const ArrayArgument<std::int64_t> triangle_array(state, triangles, "triangles", 3);
         const auto points = position_array.rows<glm::vec3>();
-        return box(type, Sample({points.begin(), points.end()},
-                                checked_triangles(triangle_array.rows<glm::i64vec3>(), points.size()),
-                                static_cast<float>(height), static_cast<float>(aspect)));
+        Job job;
+        return box(type, run(job, nullptr, [&] {
+            return Sample({points.begin(), points.end()},
+                          checked_triangles(triangle_array.rows<glm::i64vec3>(), points.size()),
+                          static_cast<float>(height), static_cast<float>(aspect));
+        }));
     });
 }
 

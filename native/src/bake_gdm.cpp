@@ -30,11 +30,13 @@ void check_resolution(const GdmResolution& r)
     if (r.nphi < 1) {
         refuse("the number of azimuth directions", r.nphi, 1);
     }
-    const double bytes = 4.0 * r.nodes.x * r.nodes.y * r.nodes.z * r.ntheta * r.nphi;
-    if (bytes > std::ldexp(1.0, 40)) {
-        throw InvalidArgument("the raw GDM would take " + std::to_string(static_cast<long long>(bytes / 1e9)) +
-                              " GB; lower the resolution or the number of directions");
+    if (std::int64_t(r.ntheta) * r.nodes.z > most_columns) {
+        throw InvalidArgument("polar directions times nodes in height are " +
+                              std::to_string(std::int64_t(r.ntheta) * r.nodes.z) + "; give at most " +
+                              std::to_string(most_columns) + ", or compression takes too long");
     }
+    const double bytes = 4.0 * r.nodes.x * r.nodes.y * r.nodes.z * r.ntheta * r.nphi;
+    check_memory("the raw GDM", bytes, "lower the resolution or the number of directions");
 }
 
 // Rays of one azimuth from a 4-row strip of nodes, for every polar angle and height.

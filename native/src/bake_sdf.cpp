@@ -16,6 +16,7 @@ Sdf bake_sdf(const Sample& sample, const glm::ivec3& nodes, Job& job)
             throw InvalidArgument("an SDF resolution is " + std::to_string(nodes[axis]) + "; give 2 to 4096 nodes");
         }
     }
+    check_memory("the SDF", 5.0 * nodes.x * nodes.y * nodes.z, "lower its resolution");
     Sdf sdf;
     sdf.nodes = nodes;
     sdf.height = sample.height();

@@ -26,7 +26,7 @@ struct Spectrum {
 
 void check_options(const Gdm& gdm, const Sdf* sdf, const CompressOptions& options)
 {
-    const int columns = gdm.resolution.ntheta * gdm.resolution.nodes.z;
+    const std::int64_t columns = std::int64_t(gdm.resolution.ntheta) * gdm.resolution.nodes.z;
     if (!(options.max_rmse >= 0.0f)) {
         throw InvalidArgument("max_rmse is " + std::to_string(options.max_rmse) +
                               "; give a positive length in tile widths, or 0 to choose the number of terms");
@@ -45,7 +45,7 @@ Spectrum decompose(const MatrixView& matrix, Job& job)
     const Eigen::Index columns = matrix.cols();
     const int blocks = static_cast<int>((matrix.rows() + rows_per_block - 1) / rows_per_block);
     // A few running sums, so that workers seldom wait for one another.
-    constexpr int lanes = 16;
+    const int lanes = columns <= 1024 ? 16 : 4;
     std::vector<Eigen::MatrixXd> sums(std::min(lanes, blocks), Eigen::MatrixXd::Zero(columns, columns));
     std::vector<std::mutex> locks(sums.size());
     parallel_for(job, blocks, [&](int block) {

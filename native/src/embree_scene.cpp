@@ -155,7 +155,6 @@ TriangleHit TriangleScene::intersect1(const glm::vec3& origin, const glm::vec3& 
     hit.hit = ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     hit.t = ray.ray.tfar;
     hit.normal = glm::vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
-    hit.triangle = ray.hit.primID;
     return hit;
 }
 

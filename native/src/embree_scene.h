@@ -28,7 +28,6 @@ struct TriangleHit {
     bool hit = false;
     float t = 0.0f;
     glm::vec3 normal{0.0f};  // not normalized, by the triangle's winding
-    std::uint32_t triangle = 0;
 };
 
 struct EmbreeHandles;

@@ -18,6 +18,9 @@ namespace {
 // map bends it by a quarter of that share of the prism's change of width.
 constexpr double most_bend = 0.01;
 
+// Copies of the tile in one prism; more would take memory without end.
+constexpr double most_copies = 4096.0;
+
 // Barycentric weights in the prism's triangle, and height.
 struct Point {
     std::array<double, 3> weight;
@@ -117,7 +120,8 @@ private:
         const double ca = bend(c, a);
         const double most = std::max(ab, std::max(bc, ca));
         if (most <= most_bend || depth == 16) {
-            out_.insert(out_.end(), {map(a), map(b), map(c)});
+            // Mirrored UVs turn the triangles over.
+            out_.insert(out_.end(), {map(a), map(area_ > 0.0 ? b : c), map(area_ > 0.0 ? c : b)});
         } else if (most == ab) {
             const Point middle = between(a, b, 0.5);
             emit(a, middle, c, depth + 1);
@@ -165,13 +169,18 @@ std::vector<TextureTriangle> texture_triangles(const Sample& sample)
 }
 
 void warp_into_prism(const std::vector<TextureTriangle>& triangles, const glm::dvec2& lower, const glm::dvec2& upper,
-                     PrismWarp& warp)
+                     PrismWarp& warp, const Job& job)
 {
     const glm::dvec2 first = glm::floor(warp.lower() - upper);
     const glm::dvec2 last = glm::ceil(warp.upper() - lower);
-    for (double j = first.y; j <= last.y; ++j) {
-        for (double i = first.x; i <= last.x; ++i) {
-            const glm::dvec2 copy(i, j);
+    const glm::dvec2 count = last - first + 1.0;
+    if (count.x * count.y > most_copies) {
+        throw InvalidArgument("the UVs of a prism span " + std::to_string(count.x) + " by " + std::to_string(count.y) +
+                              " tiles; use smaller UVs or more subdivision levels");
+    }
+    for (int row = 0; row < static_cast<int>(count.y); ++row) {
+        for (int column = 0; column < static_cast<int>(count.x) && !job.cancelled(); ++column) {
+            const glm::dvec2 copy = first + glm::dvec2(column, row);
             const glm::dvec2 wanted_lower = warp.lower() - copy;
             const glm::dvec2 wanted_upper = warp.upper() - copy;
             for (const TextureTriangle& t : triangles) {
@@ -215,7 +224,7 @@ RealizedMesh realize(const Shell& shell, const Sample& sample, Job& job)
         for (int i = task * prisms_per_task; i < std::min(count, (task + 1) * prisms_per_task); ++i) {
             PrismWarp warp(shell.prisms[static_cast<std::size_t>(i)], parts[static_cast<std::size_t>(task)]);
             if (warp.covers_texture()) {
-                warp_into_prism(triangles, lower, upper, warp);
+                warp_into_prism(triangles, lower, upper, warp, job);
             }
         }
     });

@@ -71,6 +71,22 @@ void check_surface(const Surface& surface, const ShellOptions& options)
     }
 }
 
+// Prisms before faces without area are left out: a refined face is four of the level before, but an n-gon starts as n quads.
+void check_prism_count(const Surface& surface, const ShellOptions& options)
+{
+    std::int64_t prisms = 0;
+    for (const std::int32_t size : surface.face_sizes) {
+        const bool triangles = options.scheme == Scheme::loop || options.levels == 0;
+        const std::int64_t parts = options.levels > 0 && !triangles ? 2 * std::int64_t(size) : size - 2;
+        const int doublings = options.levels > 0 && !triangles ? 2 * (options.levels - 1) : 2 * options.levels;
+        prisms += parts << doublings;
+        if (prisms > most_prisms) {
+            throw InvalidArgument("the shell would have more than " + std::to_string(most_prisms) +
+                                  " prisms; use fewer subdivision levels or a coarser mesh");
+        }
+    }
+}
+
 // Face normals weighted by the angle at the vertex, so that triangulation does not matter.
 std::vector<glm::vec3> angle_weighted_normals(const Surface& surface)
 {
@@ -184,6 +200,7 @@ private:
 Shell build_shell(const Surface& surface, const ShellOptions& options)
 {
     check_surface(surface, options);
+    check_prism_count(surface, options);
     const RefinedSurface refined =
         options.levels > 0 ? refine(surface, options.levels, options.scheme) : unrefined(surface);
     ShellBuilder builder(refined, options.thickness);

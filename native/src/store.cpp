@@ -1,7 +1,9 @@
 #include "mesoshell/store.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <cmath>
 #include <climits>
 #include <cmath>
 #include <cstdint>
@@ -159,10 +161,25 @@ void write_part(Imf::MultiPartOutputFile& file, int index, const Map& map, const
 class TemporaryFile : public Imf::OStream {
 public:
     explicit TemporaryFile(const std::string& target)
-        : OStream(target.c_str()), target_(target), path_(target + ".part-" + std::to_string(getpid())),
-          file_(std::fopen(path_.c_str(), "wbe"))
+        : OStream(target.c_str()), target_(target)
     {
+        // A link stays one, and what it points to is replaced.
+        std::error_code problem;
+        const std::filesystem::path resolved = std::filesystem::canonical(target, problem);
+        if (!problem) {
+            target_ = resolved.string();
+        }
+        // A name of its own for every save, so that two to one path never share a file.
+        static std::atomic<unsigned> saves = 0;
+        for (int attempt = 0; attempt < 100 && file_ == nullptr; ++attempt) {
+            path_ = target_ + ".part-" + std::to_string(getpid()) + "-" + std::to_string(++saves);
+            file_ = std::fopen(path_.c_str(), "wbxe");
+            if (file_ == nullptr && errno != EEXIST) {
+                break;
+            }
+        }
         if (file_ == nullptr) {
+            path_.clear();
             throw_errno(target);
         }
     }
@@ -205,7 +222,7 @@ private:
 
     std::string target_;
     std::string path_;
-    std::FILE* file_;
+    std::FILE* file_ = nullptr;
     int code_ = 0;
 };
 
@@ -275,6 +292,9 @@ std::vector<float> read_part(Imf::MultiPartInputFile& file, int index, const Sha
     });
     if (checksum(map, values) != attribute<Imf::StringAttribute>(header, "mesoshell:checksum", path)) {
         refuse(path, "part " + header.name() + " does not match its checksum");
+    }
+    if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) {
+        refuse(path, "part " + header.name() + " holds values that are not finite");
     }
     return values;
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <string>
 
+#include <unistd.h>
+
 #include "parallel.h"
 
 namespace mesoshell {
@@ -73,6 +75,16 @@ float farthest_reach(const GdmResolution& resolution, float height)
         reach = std::max(reach, sideways * std::max(slab_exit(0.0f, vertical, height), slab_exit(height, vertical, height)));
     }
     return reach;
+}
+
+void check_memory(const std::string& what, double bytes, const std::string& remedy)
+{
+    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    if (bytes > memory) {
+        throw InvalidArgument(what + " would take " + std::to_string(static_cast<long long>(bytes / 1e9)) +
+                              " GB, and the machine has " + std::to_string(static_cast<long long>(memory / 1e9)) + "; " +
+                              remedy);
+    }
 }
 
 std::vector<std::uint8_t> classify_inside(const Sample& sample, const glm::ivec3& nodes, Job& job)

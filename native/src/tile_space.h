@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -19,6 +20,9 @@ float slab_exit(float z, float dir_z, float height);
 
 // How far sideways a ray of a GDM bake can go, tile widths.
 float farthest_reach(const GdmResolution& resolution, float height);
+
+// Throws InvalidArgument where `what` would take more bytes than the machine has: better a sentence than the system's killer.
+void check_memory(const std::string& what, double bytes, const std::string& remedy);
 
 // 1 where a node (x, y, z) of an [nz, ny, nx] grid lies in the solid.
 std::vector<std::uint8_t> classify_inside(const Sample& sample, const glm::ivec3& nodes, Job& job);

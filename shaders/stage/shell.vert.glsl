@@ -14,4 +14,6 @@ void main()
     prism_texel_7 = fetch_prism_texel(prism, 7);
     pos_object = fetch_prism_texel(prism, int(corner) % 6).xyz;
     gl_Position = clip_from_object * vec4(pos_object, 1.0f);
+    // The far side of a hull may lie beyond the far plane while the mesostructure does not: a hit's own depth decides.
+    gl_Position.z = min(gl_Position.z, gl_Position.w);
 }

@@ -2,6 +2,8 @@
 
 import json
 import subprocess
+import sys
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -123,6 +125,35 @@ def test_a_modifier_rebuilds_the_shell(shells, chain_scene, map_file):
     chain_scene.torus.modifiers.new("Subdivision", 'SUBSURF').levels = 1
     bpy.context.view_layer.update()
     assert visible(shells)[chain_scene.torus.name].shell.prism_count == 4 * before.shell.prism_count
+
+
+def test_animation_moves_the_shell(shells, chain_scene, map_file):
+    torus = chain_scene.torus
+    torus.shape_key_add(name="Basis")
+    raised = torus.shape_key_add(name="Raised")
+    for point in raised.data:
+        point.co.z += 5.0
+    for frame, value in ((1, 0.0), (10, 1.0)):
+        raised.value = value
+        raised.keyframe_insert("value", frame=frame)
+    add(torus, map_file, thickness=0.1)
+    bounds = {}
+    for frame in (1, 10, 1):
+        bpy.context.scene.frame_set(frame)
+        bounds[frame] = np.array(visible(shells)[torus.name].shell.bounds)
+    np.testing.assert_allclose(bounds[10] - bounds[1], [[0, 0, 5], [0, 0, 5]], atol=1e-5)
+
+
+def test_a_map_without_a_distance_field_is_a_sentence(shells, native, chain_scene, tmp_path):
+    sys.path.append(str(Path(__file__).resolve().parents[1]))
+    import mail_scenes
+
+    path = tmp_path / "bare.gdm.exr"
+    sample = mail_scenes.chain_sample(native)
+    native.compress(native.bake_gdm(sample, resolution=(4, 4, 4), directions=(4, 4)), terms=2).save(path)
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match="bare.gdm.exr.*no distance field"):
+        bpy.ops.mesoshell.add_shell(object=chain_scene.torus.name, filepath=str(path))
 
 
 def test_edit_mode_shows_what_is_edited(shells, chain_scene, map_file):

@@ -187,7 +187,8 @@ def test_a_shader_that_does_not_compile_is_one_sentence(part, view, mail, monkey
     program.forget()
     monkeypatch.setattr(source, "stage", lambda name: "this is no GLSL")
     look(space, region, (2.6, -2.7, 2.4))
-    assert handler.problem().startswith("The graphics driver refused Mesoshell's shader")
+    assert handler.problem().startswith('"Mail": The graphics driver refused Mesoshell')
     monkeypatch.undo()
+    program.forget()
     redraw()
     assert handler.problem() is None

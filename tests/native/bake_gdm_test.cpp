@@ -282,12 +282,13 @@ TEST(BakeGdm, ResolutionOutOfRange)
     }
     expect_refusal<InvalidArgument>([&] { bake(sample, resolution({4, 4, 4}, 1, 4)); }, {"polar", "at least 2"});
     expect_refusal<InvalidArgument>([&] { bake(sample, resolution({4, 4, 4}, 4, 0)); }, {"azimuth", "at least 1"});
-    expect_refusal<InvalidArgument>([&] { bake(sample, resolution({2048, 2048, 2048}, 64, 64)); }, {"GB", "lower"});
+    expect_refusal<InvalidArgument>([&] { bake(sample, resolution({4096, 4096, 64}, 64, 256)); }, {"GB", "lower"});
+    expect_refusal<InvalidArgument>([&] { bake(sample, resolution({4, 4, 65}, 64, 4)); }, {"4160", "at most 4096"});
     expect_refusal<InvalidArgument>(
         [&] {
             bake(sample, resolution({1 << 30, 1 << 30, 1 << 30}, 1 << 30, 1 << 30));
         },
-        {"GB"});
+        {"at most 4096"});
 }
 
 }  // namespace

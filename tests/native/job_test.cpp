@@ -101,7 +101,7 @@ TEST(JobCancel, BakeSdf)
 
 TEST(JobCancel, Compress)
 {
-    const Gdm gdm = raw_gdm(48, 16, 24);
+    const Gdm gdm = raw_gdm(64, 16, 12);
     check_cancelling([&](Job& job) { compress(gdm, nullptr, CompressOptions{}, job); });
 }
 
@@ -115,7 +115,7 @@ TEST(JobCancel, Render)
 
 TEST(JobCancel, Realize)
 {
-    const Sample sample = sphere({0.5f, 0.5f, 0.3f}, 0.25f, 64, 96).sample(0.6f);
+    const Sample sample = sphere({0.5f, 0.5f, 0.3f}, 0.25f, 24, 32).sample(0.6f);
     const Shell shell = torus(1.0f, 0.4f, 96, 64, 96.0f, 64.0f).shell(0.3f);
     check_cancelling([&](Job& job) { realize(shell, sample, job); });
 }

@@ -275,5 +275,29 @@ TEST(Trace, IndexOutOfRange)
     expect_refusal<InvalidArgument>([&] { trace(positions, triangles, view, job); }, {"triangle 1", "3"});
 }
 
+TEST(Realize, MirroredUvsKeepTheOutsideOutside)
+{
+    const Sample sample = sphere({0.5f, 0.5f, 0.3f}, 0.25f, 8, 12).sample(0.6f);
+    SurfaceMesh surface = flat_grid(1, 1, 1.0f, 1.0f);
+    const double volume = volume_of(realize_on(surface, 0.6f, sample));
+    EXPECT_GT(volume, 0.0);
+    for (glm::vec2& uv : surface.uvs) {
+        uv.x = 1.0f - uv.x;
+    }
+    EXPECT_NEAR(volume_of(realize_on(surface, 0.6f, sample)), volume, 1e-6);
+}
+
+TEST(Realize, UvsOverTooManyTiles)
+{
+    const Sample sample = sphere({0.5f, 0.5f, 0.3f}, 0.25f, 4, 4).sample(0.6f);
+    for (const float scale : {100.0f, 2000.0f, 1e17f, 3e38f}) {
+        SurfaceMesh surface = flat_grid(1, 1, 1.0f, 1.0f);
+        for (glm::vec2& uv : surface.uvs) {
+            uv *= scale;
+        }
+        expect_refusal<InvalidArgument>([&] { realize_on(surface, 0.6f, sample); }, {"tiles", "smaller UVs"});
+    }
+}
+
 }  // namespace
 }  // namespace mesoshell

@@ -156,5 +156,13 @@ TEST(ShellInput, HugeCoordinatesGiveFinitePrismsOrAreRefused)
     }
 }
 
+TEST(ShellInput, TooManyPrisms)
+{
+    const SurfaceMesh mesh = flat_grid(64, 64, 1.0f, 1.0f);
+    // 2 * 64^2 prisms at level 0, four times as many a level: 2^23 at level 5, twice what is allowed.
+    expect_refused(mesh, {"4194304 prisms", "fewer subdivision levels"}, 5);
+    EXPECT_EQ(mesh.shell(0.1f, 2).prisms.size(), 2u * 64 * 64 * 16);
+}
+
 }  // namespace
 }  // namespace mesoshell

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <limits>
 
 #include <sys/resource.h>
 
@@ -295,6 +296,20 @@ TEST(StoreDamage, SettingsThatMakeNoSense)
         write_parts(path, 4, 4, true,
                     [&](Imf::Header& header, int) { header.insert("mesoshell:version", Imf::IntAttribute(version)); });
         expect_refusal<Error>([&] { load_map(path); }, {"format version", std::to_string(version).c_str()});
+    }
+}
+
+TEST(StoreDamage, ValuesThatAreNotFinite)
+{
+    const TemporaryFolder folder;
+    for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        for (int i = 0; i < 3; ++i) {
+            Map map = small_map(Precision::single, true);
+            std::vector<float>* const arrays[3] = {&map.weights, &map.eigenmaps, &map.sdf};
+            arrays[i]->back() = bad;
+            save_map(map, folder.file("tile.exr"));
+            expect_refusal<Error>([&] { load_map(folder.file("tile.exr")); }, {"not a usable map", "not finite"});
+        }
     }
 }
 

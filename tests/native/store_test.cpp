@@ -3,6 +3,8 @@
 #include <cerrno>
 #include <csignal>
 #include <filesystem>
+#include <thread>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -221,6 +223,39 @@ TEST(Store, ArraysThatDoNotFitTheNodes)
     }
     expect_refusal<InvalidArgument>([&] { save_map(Map{}, folder.file("tile.exr")); }, {"values"});
     EXPECT_TRUE(folder.content().empty());
+}
+
+TEST(Store, TwoSaversToOnePathLeaveAWholeFile)
+{
+    const TemporaryFolder folder;
+    const Map map = small_map(Precision::single, true);
+    std::vector<std::thread> savers;
+    for (int i = 0; i < 4; ++i) {
+        savers.emplace_back([&] {
+            for (int round = 0; round < 25; ++round) {
+                save_map(map, folder.file("tile.exr"));
+                load_map(folder.file("tile.exr"));
+            }
+        });
+    }
+    for (std::thread& saver : savers) {
+        saver.join();
+    }
+    expect_same_map(load_map(folder.file("tile.exr")), map);
+    EXPECT_EQ(folder.content(), std::vector<std::string>{"tile.exr"});
+}
+
+TEST(Store, LinkStaysALink)
+{
+    const TemporaryFolder folder;
+    const Map map = small_map(Precision::single, true);
+    save_map(map, folder.file("kept.exr"));
+    std::filesystem::create_symlink("kept.exr", folder.file("link.exr"));
+    Map other = map;
+    other.weights[0] += 1.0f;
+    save_map(other, folder.file("link.exr"));
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link.exr")));
+    expect_same_map(load_map(folder.file("kept.exr")), other);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import native
+from . import native, packing
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ class BakeResult:
     terms: int
     rmse: float
     ray_count: int
+    clipped_triangles: int
     seconds: dict
 
 
@@ -108,6 +109,7 @@ def bake_tile(request, progress=None):
         return result
 
     with _naming(request.name, module):
+        packing.check_size(request.terms, request.resolution, request.directions, request.sdf_resolution)
         sample = module.Sample(request.positions, request.triangles, height=request.height,
                                aspect=request.aspect)
     gdm = stage("gdm", lambda inner: module.bake_gdm(
@@ -120,4 +122,5 @@ def bake_tile(request, progress=None):
     stage("save", lambda inner: compressed.save(request.path))
     if progress is not None:
         progress(1.0)
-    return BakeResult(request.path, compressed.terms, compressed.rmse, ray_count, seconds)
+    return BakeResult(request.path, compressed.terms, compressed.rmse, ray_count, sample.clipped_triangles,
+                      seconds)

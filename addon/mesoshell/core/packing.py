@@ -6,7 +6,25 @@ repeated node, so that filtering that clamps to the edge is periodic filtering.
 
 import numpy
 
-PRISMS_PER_ROW = 256  # shaders/host/textures.glsl counts on it
+PRISMS_PER_ROW = 256  # shaders/host/prism_table.glsl counts on it
+
+
+MOST_LAYERS = 2048  # of a 3D texture, on any graphics card that Blender runs on
+
+
+def check_map(tile_map):
+    """Raise ValueError for a map that cannot be drawn: no distance field, or a texture larger than GPUs take."""
+    if tile_map.sdf is None:
+        raise ValueError("the map has no distance field, which every traversal asks: bake it again with one")
+    check_size(tile_map.terms, tile_map.resolution, tile_map.directions, tile_map.sdf.shape)
+
+
+def check_size(terms, resolution, directions, sdf_shape):
+    """Raise ValueError where a map of this size would need a texture larger than GPUs take."""
+    layers = -(-terms // 4) * (directions[1] + 1)
+    if max(layers, resolution[0] + 1, resolution[1] + 1, *sdf_shape) > MOST_LAYERS:
+        raise ValueError(f"the map needs textures of more than {MOST_LAYERS} layers: "
+                         "bake it with fewer terms, directions or nodes")
 
 
 def prism_table(prisms):

@@ -5,7 +5,6 @@ import traceback
 import bpy
 import numpy
 
-from ..core import native
 from ..host import lights, shells, versions
 from . import draw, program, resources, scene_depth
 
@@ -19,25 +18,35 @@ def problem():
 
 
 def _draw():
-    global _problem
     context = bpy.context
     depsgraph = context.evaluated_depsgraph_get()
+    problems = []
     try:
         instances = shells.visible(depsgraph, context.space_data)
-        if not instances:
-            return
-        clip_from_world = numpy.array(context.region_data.perspective_matrix, numpy.float64)
-        lit = lights.read(depsgraph)
-        if not versions.handlers_see_depth(context.space_data, context.scene.render.engine):
-            scene_depth.draw(depsgraph, context.space_data, clip_from_world)
+        if instances:
+            clip_from_world = numpy.array(context.region_data.perspective_matrix, numpy.float64)
+            lit = lights.read(depsgraph)
+            if not versions.handlers_see_depth(context.space_data, context.scene.render.engine):
+                scene_depth.draw(depsgraph, context.space_data, clip_from_world)
         for instance in instances:
-            draw.draw_shell(instance, clip_from_world, lit)
-        _problem = None
-    except (RuntimeError, ValueError, native.NativeMissing) as error:
-        if _problem != str(error):  # once, not every frame
-            traceback.print_exc()
-        _problem = str(error)
-    resources.end_draw()
+            try:
+                draw.draw_shell(instance, clip_from_world, lit)
+            except Exception as error:  # the others are drawn all the same
+                problems.append((f'"{instance.object_name}": {error}', error))
+    except Exception as error:
+        problems.append((str(error), error))
+    finally:
+        resources.end_draw()
+    _report(problems)
+
+
+def _report(problems):
+    """Keep the first sentence for the panel, and print what was not printed before."""
+    global _problem
+    sentence = problems[0][0] if problems else None
+    if sentence is not None and sentence != _problem:
+        traceback.print_exception(problems[0][1])
+    _problem = sentence
 
 
 def register():

@@ -16,26 +16,31 @@ _TYPES = {
     "sampler3D": "FLOAT_3D",
 }
 
+_SENTENCE = "The graphics driver refused Mesoshell's shader; the log above says why. Update the driver."
+
 _program = None
+_refused = None  # the driver's answer, so that it is not asked again at every draw
 
 
 def shell_program():
     """The GPUShader of interface.toml; raises RuntimeError with one sentence where it does not compile."""
-    global _program
+    global _program, _refused
+    if _refused is not None:
+        raise RuntimeError(_SENTENCE) from _refused
     if _program is None:
         try:
             _program = gpu.shader.create_from_info(_create_info(shader_source.shell_interface()))
         except Exception as error:  # Blender raises a bare Exception
-            raise RuntimeError(
-                "The graphics driver refused Mesoshell's shader; the log above says why. Update the driver."
-            ) from error
+            _refused = error
+            raise RuntimeError(_SENTENCE) from error
     return _program
 
 
 def forget():
     """Drop the program, so that the next draw compiles it again."""
-    global _program
-    _program = None
+    global _program, _refused
+    _program = _refused = None
+_refused = None  # the driver's answer, so that it is not asked again at every draw
 
 
 def _create_info(interface):

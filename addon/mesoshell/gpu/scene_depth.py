@@ -13,11 +13,16 @@ from ..host import handlers, versions
 
 _SOLID_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META'}
 
-_batches = {}  # object key -> batch, or None for an object without faces
+_batches = {}  # (object key, pointer of the evaluated data) -> batch, or None for an object without faces
+_used = {}  # the same key -> the last draw that used it
+_draws = 0
+_IDLE_DRAWS = 240
 
 
 def draw(depsgraph, space, clip_from_world):
     """Replace the depth of the bound framebuffer by that of what `space` shows as surfaces."""
+    global _draws
+    _draws += 1
     shader = gpu.shader.from_builtin(versions.FLAT_COLOR_SHADER)
     gpu.state.active_framebuffer_get().clear(depth=1.0)
     gpu.state.color_mask_set(False, False, False, False)
@@ -40,11 +45,18 @@ def draw(depsgraph, space, clip_from_world):
         gpu.state.color_mask_set(True, True, True, True)
         gpu.state.depth_test_set('NONE')
         gpu.state.depth_mask_set(False)
+    _drop([key for key, last in _used.items() if _draws - last > _IDLE_DRAWS])
 
 
 def forget():
     """Drop everything."""
     _batches.clear()
+    _used.clear()
+
+
+def _drop(keys):
+    for key in keys:
+        del _batches[key], _used[key]
 
 
 def _shows_surface(instance, obj, space):
@@ -55,7 +67,9 @@ def _shows_surface(instance, obj, space):
 
 
 def _batch(obj):
-    key = versions.object_key(obj.original)
+    # A node-made instance has the original of the object whose nodes made it, and data of its own.
+    key = versions.object_key(obj.original), obj.data.as_pointer()
+    _used[key] = _draws
     if key not in _batches:
         mesh = obj.to_mesh()
         try:
@@ -83,18 +97,20 @@ def _upload(mesh):
 
 @persistent
 def _on_depsgraph_update(_scene, depsgraph):
-    for update in depsgraph.updates if _batches else ():
-        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
-            _batches.pop(versions.object_key(update.id.original), None)
+    if not _batches:
+        return
+    changed = {versions.object_key(update.id.original) for update in depsgraph.updates
+               if update.is_updated_geometry and isinstance(update.id, bpy.types.Object)}
+    _drop([key for key in _batches if key[0] in changed])
 
 
 @persistent
-def _on_load_or_undo(*_arguments):
+def _on_other_data(*_arguments):
     forget()
 
 
-_HANDLERS = (("depsgraph_update_post", _on_depsgraph_update), ("undo_post", _on_load_or_undo),
-             ("redo_post", _on_load_or_undo), ("load_post", _on_load_or_undo))
+_HANDLERS = (("depsgraph_update_post", _on_depsgraph_update), ("frame_change_post", _on_other_data),
+             ("undo_post", _on_other_data), ("redo_post", _on_other_data), ("load_post", _on_other_data))
 
 
 def register():

@@ -5,7 +5,7 @@ import os
 import weakref
 from typing import NamedTuple
 
-from ..core import native
+from ..core import native, packing
 
 _versions = itertools.count(1)
 _loaded = weakref.WeakValueDictionary()  # (path, mtime, size) -> LoadedMap; lives as long as a shell holds it
@@ -36,9 +36,13 @@ def file_state(path):
 
 
 def load(state):
-    """The LoadedMap of a FileState; raises OSError, Error or NativeMissing."""
+    """The LoadedMap of a FileState; raises OSError, ValueError, Error or NativeMissing."""
     loaded = _loaded.get(state)
     if loaded is None:
         loaded = LoadedMap(native.module().load(state.path))
+        try:
+            packing.check_map(loaded.map)
+        except ValueError as error:
+            raise ValueError(f"{state.path}: {error}") from error
         _loaded[state] = loaded
     return loaded

@@ -51,10 +51,15 @@ class _Entry:
         self.key, self.digest, self.shell, self.loaded_map, self.problem = key, digest, shell, loaded_map, problem
         self.version = next(_versions)
         self.stale = False
+        self.last_asked = _asked
 
 
 _versions = itertools.count(1)
 _entries = {}  # (object key, depsgraph mode) -> _Entry
+_asked = 0  # how often visible() was called
+
+# What so many calls did not ask for is dropped: another viewport may show it in turn.
+_IDLE_CALLS = 240
 
 
 def visible(depsgraph, space=None):
@@ -63,12 +68,17 @@ def visible(depsgraph, space=None):
     `space` is a SpaceView3D whose local view and local collections count too (None: the context's, if it has one). Never raises for what a user can do;
     problem() then has the sentence.
     """
+    global _asked
+    _asked += 1
     instances = []
     for obj in depsgraph.view_layer.objects:
         if obj.mesoshell.enabled and _is_visible(obj, depsgraph, space):
             entry = _up_to_date(obj, depsgraph)
+            entry.last_asked = _asked
             if entry.problem is None:
                 instances.append(_instance(obj, depsgraph, entry))
+    for place in [place for place, entry in _entries.items() if _asked - entry.last_asked > _IDLE_CALLS]:
+        del _entries[place]
     return instances
 
 
@@ -193,6 +203,13 @@ def _on_depsgraph_update(_scene, depsgraph):
 
 
 @persistent
+def _on_frame_change(*_arguments):
+    # The depsgraph's list of updates is empty then; a digest tells what really moved.
+    for entry in _entries.values():
+        entry.stale = True
+
+
+@persistent
 def _on_undo(*_arguments):
     # Undo replaces data without naming all of it; building once more is cheap beside drawing what is gone.
     alive = {versions.object_key(obj) for obj in bpy.data.objects}
@@ -207,7 +224,7 @@ def _on_load(*_arguments):
     forget()
 
 
-_HANDLERS = (("depsgraph_update_post", _on_depsgraph_update), ("undo_post", _on_undo), ("redo_post", _on_undo),
+_HANDLERS = (("depsgraph_update_post", _on_depsgraph_update), ("frame_change_post", _on_frame_change), ("undo_post", _on_undo), ("redo_post", _on_undo),
              ("load_post", _on_load))
 
 

@@ -133,8 +133,11 @@ class MESOSHELL_OT_bake(bpy.types.Operator):
 
     def _succeed(self, result, request):
         seconds = sum(result.seconds.values())
+        clipped = ""
+        if result.clipped_triangles:
+            clipped = f"; {result.clipped_triangles} triangles reach out of the tile's height and were clipped"
         bake_state.finish(f'Baked "{request.name}" to {result.path} in {seconds:.1f} s: {result.terms} terms, '
-                          f"RMSE {result.rmse:.3g} tile widths", False)
+                          f"RMSE {result.rmse:.3g} tile widths" + clipped, False)
         self.report({'INFO'}, bake_state.report)
         properties.tag_redraw()
         return {'FINISHED'}

@@ -14,6 +14,9 @@ namespace mesoshell {
 // Rays that never leave the slab, or leave it far away, end here. Tile widths.
 constexpr float horizon_distance = 16.0f;
 
+// theta nodes times w nodes, at most: compression solves an eigenproblem of that size, in one step that cannot be cancelled.
+constexpr int most_columns = 4096;
+
 // nodes (nx, ny, nz), node i at i / n along u and v and at i / (n - 1) along w.
 struct GdmResolution {
     glm::ivec3 nodes{64, 64, 32};  // each at least 2
@@ -46,7 +49,7 @@ struct Sdf {
     std::vector<float> values;  // [mz, my, mx], tile widths, negative inside
 };
 
-// Throws InvalidArgument for a resolution out of range or one that needs more than 2^40 bytes; Cancelled.
+// Throws InvalidArgument for a resolution out of range or one that needs more memory than there is; Cancelled.
 Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Job& job);
 
 // nodes: each at least 2.

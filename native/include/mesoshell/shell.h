@@ -44,9 +44,12 @@ struct Shell {
     glm::vec3 upper{0.0f};
 };
 
+// Prisms of one shell, at most: what the draw program's prism table holds.
+constexpr std::int64_t most_prisms = std::int64_t(1) << 22;
+
 // Limit positions and normals where levels > 0, the mesh's own vertices and normals at level 0.
 // Throws InvalidArgument for values that are not finite, indices or sizes out of range, missing UVs, a thickness that is not
-// positive; Error for a mesh that cannot be subdivided, or a face of more than four corners at level 0.
+// positive, more prisms than most_prisms; Error for a mesh that cannot be subdivided, or a face of more than four corners at level 0.
 Shell build_shell(const Surface& surface, const ShellOptions& options);
 
 }  // namespace mesoshell
