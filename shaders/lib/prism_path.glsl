@@ -144,6 +144,9 @@ PrismSpan parallel_span(Prism prism, vec3 origin, vec3 dir)
     vec3 p2 = prism.base[2] + prism.director[2] * w;
     vec3 area_normal = cross(p1 - p0, p2 - p0);
     float area_squared = dot(area_normal, area_normal);
+    if (area_squared == 0.0f) {
+        return span;
+    }
     // Weights of the three corner columns along the ray: start + t slope.
     vec3 to_1 = cross(p2 - p0, area_normal) / area_squared;
     vec3 to_2 = cross(area_normal, p1 - p0) / area_squared;
@@ -174,6 +177,14 @@ PrismSpan parallel_span(Prism prism, vec3 origin, vec3 dir)
     return span;
 }
 
+// Where to evaluate the end of a stretch: at its height, unless the offset triangle has shrunk to rounding errors there, as
+// at the apex of a pyramid; then a sixty-fourth inside.
+float end_height(PrismPath path, float w, float w_inside)
+{
+    float area_middle = path_area(path, 0.5f * (w + w_inside));
+    return abs(path_area(path, w)) > 1.0e-5f * abs(area_middle) ? w : mix(w, w_inside, 1.0f / 64.0f);
+}
+
 // The nearest stretch of the ray inside the prism that begins beyond t_after.
 PrismSpan next_span(PrismPath path, float t_after)
 {
@@ -199,15 +210,17 @@ PrismSpan next_span(PrismPath path, float t_after)
             w_open = w;
         }
         if (open && !inside) {
-            float t_open = path_depth(path, w_open);
-            float t_close = path_depth(path, w);
+            float w_low = end_height(path, w_open, w);
+            float w_high = end_height(path, w, w_open);
+            float t_open = path_depth(path, w_low);
+            float t_close = path_depth(path, w_high);
             bool climbs = t_open <= t_close;
             float t_in = climbs ? t_open : t_close;
             if (t_in > t_after) {
                 span.last = !span.found;
                 if (t_in < span.t_in) {
-                    vec3 q_open = path_coordinates(path, w_open);
-                    vec3 q_close = path_coordinates(path, w);
+                    vec3 q_open = path_coordinates(path, w_low);
+                    vec3 q_close = path_coordinates(path, w_high);
                     span.found = true;
                     span.t_in = t_in;
                     span.t_out = climbs ? t_close : t_open;

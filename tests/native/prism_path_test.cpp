@@ -246,5 +246,30 @@ TEST(PrismSpans, RaysThroughCornersAndEdgesStayFinite)
     }
 }
 
+TEST(PrismSpans, PyramidWhoseTopIsAPoint)
+{
+    // Base (0,0), (1,0), (0,1) in z = 0, all directors to the apex (0.25, 0.25, 1): seen from above, the triangle at
+    // height w is the base shrunk about (0.25, 0.25) by 1 - w.
+    PrismTexels pyramid{};
+    pyramid[0] = glm::vec4(0.0f, 0.0f, 0.0f, 0.0f);
+    pyramid[1] = glm::vec4(1.0f, 0.0f, 0.0f, 0.0f);
+    pyramid[2] = glm::vec4(0.0f, 1.0f, 0.0f, 0.0f);
+    pyramid[3] = pyramid[4] = pyramid[5] = glm::vec4(0.25f, 0.25f, 1.0f, 0.0f);
+    // Down the axis: through the apex to the base.
+    std::vector<PrismSpan> spans = prism_spans(pyramid, {0.25f, 0.25f, 3.0f}, {0.0f, 0.0f, -1.0f}, 0.0f);
+    ASSERT_EQ(spans.size(), 1u);
+    EXPECT_NEAR(spans[0].t_in, 2.0f, 1.001f / 64.0f);  // the end is evaluated a sixty-fourth inside
+    EXPECT_NEAR(spans[0].t_out, 3.0f, 1e-5f);
+    // Beside it, through (0.5, 0.25): the slanted fin x + y = 1 - w / 2 is met at w = 0.5.
+    spans = prism_spans(pyramid, {0.5f, 0.25f, 3.0f}, {0.0f, 0.0f, -1.0f}, 0.0f);
+    ASSERT_EQ(spans.size(), 1u);
+    EXPECT_NEAR(spans[0].t_in, 2.5f, 1e-5f);
+    EXPECT_NEAR(spans[0].t_out, 3.0f, 1e-5f);
+    // Level with the apex: a point, which has no inside.
+    for (const PrismSpan& span : prism_spans(pyramid, {-2.0f, 0.25f, 1.0f}, {1.0f, 0.0f, 0.0f}, 0.0f)) {
+        EXPECT_NEAR(span.t_out - span.t_in, 0.0f, 1e-4f);
+    }
+}
+
 }  // namespace
 }  // namespace mesoshell
