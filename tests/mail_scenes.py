@@ -92,16 +92,18 @@ VIEWS = {
 }
 
 
-def check_distances(errors, traversal):
-    """Assert that two renderings agree: `errors` are the differences of their distances where both hit, object units.
+def check_distances(drawn, rendered, traversal):
+    """Assert that two renderings agree to a thousandth of the distance, where both hit: object-space distances [n] each.
 
-    The `gdm` lookup either ends within its tolerance of a surface or not: a rounding may decide, and the hit is then another
+    Sphere tracing may take a step more or less by a rounding; at a grazing hit that is up to a few of its hit distances. The
+    `gdm` lookup either ends within its tolerance of a surface or not: a rounding may decide, and the hit is then another
     wire's. Of its pixels, one in a thousand may be such.
     """
+    close = numpy.abs(drawn - rendered) <= 1e-3 * rendered
     if traversal == "sdf":
-        assert errors.max() <= 1e-3
+        assert close.all()
     else:
-        assert (errors <= 1e-3).mean() >= 0.999
+        assert close.mean() >= 0.999
 
 
 def probe_source(shader_source):
