@@ -93,13 +93,14 @@ VIEWS = {
 
 
 def check_distances(drawn, rendered, traversal):
-    """Assert that two renderings agree to a thousandth of the distance, where both hit: object-space distances [n] each.
+    """Assert that two renderings agree to a thousandth, where both hit: object-space distances [n] each.
 
+    That is a thousandth of the torus's radius, which is 1, or of the distance where that is more.
     Sphere tracing may take a step more or less by a rounding; at a grazing hit that is up to a few of its hit distances. The
     `gdm` lookup either ends within its tolerance of a surface or not: a rounding may decide, and the hit is then another
     wire's. Of its pixels, one in a thousand may be such.
     """
-    close = numpy.abs(drawn - rendered) <= 1e-3 * rendered
+    close = numpy.abs(drawn - rendered) <= 1e-3 * numpy.maximum(rendered, 1.0)
     if traversal == "sdf":
         assert close.all()
     else:
