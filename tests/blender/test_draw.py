@@ -121,4 +121,4 @@ def compare(native, texels, depth, clip_from_object, traversal):
     worst = np.unravel_index(np.argmax(error), error.shape)
     print(f"{(drawn != rendered).sum()} pixels differ, worst distance {error[worst]:.2g} at {worst[::-1]}")
     assert (drawn == rendered).mean() >= 0.999
-    mail_scenes.check_distances(texels[both][:, 3], picture["distance"][both], traversal)
+    mail_scenes.check_depths(depth, texels[..., 3], picture, clip_from_object, traversal)

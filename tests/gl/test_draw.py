@@ -40,7 +40,7 @@ def test_draw_matches_render(gl, native, program, inputs, view, traversal):
     error = numpy.abs(texels[..., 3] - picture["distance"])
     worst = numpy.unravel_index(numpy.argmax(numpy.where(both, error, 0.0)), error.shape)
     print(f"{view} {traversal}: {(drawn != rendered).sum()} pixels differ, worst distance {error[worst]:.2g} at {worst[::-1]}")
-    mail_scenes.check_distances(texels[both][:, 3], picture["distance"][both], traversal)
+    mail_scenes.check_depths(depth, texels[..., 3], picture, mail_scenes.VIEWS[view], traversal)
 
 
 def test_depth_is_the_hit_s_own(gl, native, program, inputs):
