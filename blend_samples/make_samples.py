@@ -18,17 +18,17 @@ from mathutils import Euler, Vector
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))  # Blender runs a script without its folder on the path
-import chain_mail  # noqa: E402
+from tiles import chain  # noqa: E402
 
 TORUS_MAJOR, TORUS_MINOR = 1.0, 0.42  # scene units (meters)
 TORUS_QUADS = (48, 20)  # around the axis and around the tube
 TILES = (20, 10)  # whole numbers, so the mail closes; atop the tube, halfway up the shell, a tile is 0.314 square
-THICKNESS = 0.157  # of the shell: chain_mail.HEIGHT such tile widths, so the rings stay round there
+THICKNESS = 0.157  # of the shell: chain.HEIGHT such tile widths, so the rings stay round there
 CUBE_SIZE = 0.5
 
 
 def torus_uvs(segments, sides):
-    """UVs of chain_mail.torus by face corner: float64 [segments * sides * 4, 2], 0 to 1 around the axis and the tube.
+    """UVs of chain.torus by face corner: float64 [segments * sides * 4, 2], 0 to 1 around the axis and the tube.
 
     A face at the seam ends at 1, not at 0: no face runs backwards through the whole texture.
     """
@@ -94,16 +94,16 @@ def set_tile_settings(obj, period, height):
 def add_chain_tile(detail):
     """The tile, beside the torus and out of the picture; 1 unit wide, so its lengths are tile widths."""
     steel = make_material("Steel", (0.55, 0.56, 0.58), 1.0, 0.35)
-    positions, triangles = chain_mail.chain_links(detail)
+    positions, triangles = chain.chain_links(detail)
     obj = add_object("ChainTile", mesh_from_arrays("ChainTile", positions, triangles, steel), (2.4, 0.4, -0.6))
     obj.hide_render = True
-    set_tile_settings(obj, chain_mail.PERIOD, chain_mail.HEIGHT)
+    set_tile_settings(obj, chain.PERIOD, chain.HEIGHT)
 
 
 def add_torus():
     """The surface that wears the mail; how many tiles suit it and how thick a shell are stored on it as a suggestion."""
     leather = make_material("Leather", (0.10, 0.065, 0.045), 0.0, 0.7)
-    positions, quads = chain_mail.torus(TORUS_MAJOR, TORUS_MINOR, *TORUS_QUADS)
+    positions, quads = chain.torus(TORUS_MAJOR, TORUS_MINOR, *TORUS_QUADS)
     mesh = mesh_from_arrays("Torus", positions, quads, leather)
     mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", torus_uvs(*TORUS_QUADS).ravel())
     obj = add_object("Torus", mesh)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "blend_samples"))
-import chain_mail
+from tiles import chain
 
 TILE_HEIGHT = 0.5
 
@@ -15,7 +15,7 @@ TILE_HEIGHT = 0.5
 @cache
 def chain_sample(native, detail=32):
     """The chain-mail tile as a native Sample."""
-    positions, triangles = chain_mail.chain_links(detail)
+    positions, triangles = chain.chain_links(detail)
     return native.Sample(positions, triangles, height=TILE_HEIGHT)
 
 

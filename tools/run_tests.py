@@ -2,6 +2,7 @@
 
     native      tests/native, GoogleTest through CTest
     tools       tools/tests, pytest
+    tiles       tests/tiles, pytest: the six tiles of blend_samples
     gl          tests/gl, pytest with surfaceless EGL
     background  tests/blender in `blender --background`
     window      tests/blender in a Blender window under Xvfb
@@ -67,6 +68,7 @@ def blender(mode: str) -> Layer:
 LAYERS = {
     "native": native,
     "tools": lambda: python("tools", REPO / "tools/tests"),
+    "tiles": lambda: python("tiles", REPO / "tests/tiles"),
     "gl": lambda: python("gl", REPO / "tests/gl"),
     "background": lambda: blender("background"),
     "window": lambda: blender("window"),

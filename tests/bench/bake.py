@@ -20,8 +20,8 @@ from mathutils.bvhtree import BVHTree
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "blend_samples")]
 
-import chain_mail  # noqa: E402
 from mesoshell.core import native  # noqa: E402
+from tiles import chain  # noqa: E402
 
 OUT = Path(sys.argv[sys.argv.index("--out") + 1])
 PROGRAM = ROOT / "build" / "native" / "bench" / "bake_rays"
@@ -80,7 +80,7 @@ def bvhtree_mrays(positions, triangles, gdm):
 
 
 def main():
-    positions, triangles = chain_mail.chain_links()
+    positions, triangles = chain.chain_links()
     module = native.module()
     rates, ray_count = embree_rounds(positions, triangles)
     best = rates.max(axis=0)
