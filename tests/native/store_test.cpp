@@ -80,6 +80,24 @@ TEST(Store, ReplacesAnOldFile)
     EXPECT_EQ(folder.content().size(), 1u);
 }
 
+TEST(Store, FileOfVersionOne)
+{
+    // Such a file has the same parts and attributes, and 1 for its version.
+    const TemporaryFolder folder;
+    const Map map = small_map(Precision::half, true);
+    save_map(map, folder.file("tile.exr"));
+    std::string bytes = read_bytes(folder.file("tile.exr"));
+    const std::string name("mesoshell:version\0int\0\4\0\0\0", 26);
+    int found = 0;
+    for (std::size_t at = bytes.find(name); at != std::string::npos; at = bytes.find(name, at + 1), ++found) {
+        ASSERT_EQ(bytes[at + name.size()], 2);
+        bytes[at + name.size()] = 1;
+    }
+    EXPECT_EQ(found, 3);
+    write_bytes(folder.file("tile.exr"), bytes);
+    expect_same_map(load_map(folder.file("tile.exr")), map);
+}
+
 TEST(Store, SavingTwiceGivesTheSameBytes)
 {
     const TemporaryFolder folder;

@@ -3,8 +3,9 @@
 // Each array is one part, "gdm.weights", "gdm.eigenmaps" and, where there is one, "sdf": a flat picture, channel Y, half or
 // float, ZIP. The last two dimensions of the array are a slice's rows and columns; slices stand side by side along the
 // dimension before them and below one another along the one before that. Header attributes: `mesoshell:shape` (the array's
-// dimensions), `mesoshell:version`, `mesoshell:checksum` (FNV-1a, 64 bits, of height, aspect, rmse, maxError and the
-// values in the array's order, all as 32-bit floats), `mesoshell:units`, and the tile's and the bake's settings.
+// dimensions), `mesoshell:version` (2; files of version 1 are read), `mesoshell:checksum` (FNV-1a, 64 bits, of height,
+// aspect, rmse, maxError and the values in the array's order, all as 32-bit floats), `mesoshell:units`, and the tile's and
+// the bake's settings.
 #pragma once
 
 #include <string>

@@ -1,0 +1,41 @@
+#include "store_format.h"
+
+#include <cstdio>
+
+namespace mesoshell::store {
+
+std::string Shape::text() const
+{
+    return std::to_string(rows) + " " + std::to_string(columns) + " " + std::to_string(height) + " " + std::to_string(width);
+}
+
+std::vector<Part> parts_of(const Map& map)
+{
+    const GdmResolution& r = map.resolution;
+    std::vector<Part> parts{
+        {"gdm.weights", "Y", "tile widths", {map.terms, r.nphi, r.nodes.y, r.nodes.x}, &map.weights},
+        {"gdm.eigenmaps", "Y", "tile widths", {1, map.terms, r.ntheta, r.nodes.z}, &map.eigenmaps}};
+    if (!map.sdf.empty()) {
+        parts.push_back({"sdf", "Y", "tile widths", {1, map.sdf_nodes.z, map.sdf_nodes.y, map.sdf_nodes.x}, &map.sdf});
+    }
+    return parts;
+}
+
+std::string checksum(const Map& map, const std::vector<float>& values)
+{
+    std::uint64_t hash = 0xCBF29CE484222325u;
+    const auto add = [&](const float* numbers, std::size_t count) {
+        const auto* bytes = reinterpret_cast<const unsigned char*>(numbers);
+        for (std::size_t i = 0; i < count * sizeof(float); ++i) {
+            hash = (hash ^ bytes[i]) * 0x100000001B3u;
+        }
+    };
+    const float settings[4] = {map.height, map.aspect, map.rmse, map.max_error};
+    add(settings, 4);
+    add(values.data(), values.size());
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+    return text;
+}
+
+}  // namespace mesoshell::store

@@ -1,0 +1,199 @@
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <OpenEXR/IexBaseExc.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
+#include "mesoshell/store.h"
+#include "store_format.h"
+
+namespace mesoshell {
+namespace store {
+namespace {
+
+// A file that is being read. Every doubt about it ends with a sentence that names it.
+class Reader {
+public:
+    explicit Reader(const std::string& path)
+        : path_(path), file_(path.c_str(), 0), file_size_(std::filesystem::file_size(path))
+    {
+    }
+
+    Map read() const
+    {
+        const std::optional<int> weights_part = find("gdm.weights");
+        const std::optional<int> eigenmaps_part = find("gdm.eigenmaps");
+        if (!weights_part || !eigenmaps_part) {
+            refuse("it has no parts gdm.weights and gdm.eigenmaps");
+        }
+        const Imf::Header& header = file_.header(*weights_part);
+        Map map = read_settings(header);
+        const Shape weights = read_shape(*weights_part);
+        const Shape eigenmaps = read_shape(*eigenmaps_part);
+        if (weights.rows != eigenmaps.columns || eigenmaps.rows != 1 || std::min(eigenmaps.height, eigenmaps.width) < 2 ||
+            std::min(weights.height, weights.width) < 2) {
+            refuse("its weights and eigenmaps do not belong together");
+        }
+        map.terms = weights.rows;
+        map.resolution.nphi = weights.columns;
+        map.resolution.nodes = glm::ivec3(weights.width, weights.height, eigenmaps.width);
+        map.resolution.ntheta = eigenmaps.height;
+        const Imf::Channel* channel = header.channels().findChannel("Y");
+        map.precision = channel != nullptr && channel->type == Imf::HALF ? Precision::half : Precision::single;
+        map.weights = read_part(*weights_part, weights, "Y", map);
+        map.eigenmaps = read_part(*eigenmaps_part, eigenmaps, "Y", map);
+        if (const std::optional<int> part = find("sdf")) {
+            const Shape sdf = read_shape(*part);
+            if (sdf.rows != 1 || std::min(sdf.columns, std::min(sdf.height, sdf.width)) < 2) {
+                refuse("its distance field has too few nodes");
+            }
+            map.sdf_nodes = glm::ivec3(sdf.width, sdf.height, sdf.columns);
+            map.sdf = read_part(*part, sdf, "Y", map);
+        }
+        return map;
+    }
+
+private:
+    [[noreturn]] void refuse(const std::string& why) const
+    {
+        throw Error(path_ + " is not a usable map: " + why + "; bake it again");
+    }
+
+    template <typename Attribute>
+    auto attribute(const Imf::Header& header, const char* name) const
+    {
+        const auto* found = header.findTypedAttribute<Attribute>(name);
+        if (found == nullptr) {
+            refuse(std::string("it has no attribute ") + name);
+        }
+        return found->value();
+    }
+
+    std::optional<int> find(const std::string& name) const
+    {
+        for (int i = 0; i < file_.parts(); ++i) {
+            if (file_.header(i).hasName() && file_.header(i).name() == name) {
+                return i;
+            }
+        }
+        return std::nullopt;
+    }
+
+    Map read_settings(const Imf::Header& header) const
+    {
+        const int version = attribute<Imf::IntAttribute>(header, "mesoshell:version");
+        if (version < oldest_version || version > format_version) {
+            refuse("it has format version " + std::to_string(version) + ", this build reads versions " +
+                   std::to_string(oldest_version) + " to " + std::to_string(format_version));
+        }
+        Map map;
+        map.height = attribute<Imf::FloatAttribute>(header, "mesoshell:height");
+        map.aspect = attribute<Imf::FloatAttribute>(header, "mesoshell:aspect");
+        map.rmse = attribute<Imf::FloatAttribute>(header, "mesoshell:rmse");
+        map.max_error = attribute<Imf::FloatAttribute>(header, "mesoshell:maxError");
+        if (!(map.height > 0.0f && map.height < 1e6f && map.aspect > 0.0f && map.aspect < 1e6f)) {
+            refuse("its height or aspect makes no sense");
+        }
+        return map;
+    }
+
+    Shape read_shape(int part) const
+    {
+        const Imf::Header& header = file_.header(part);
+        const std::string text = attribute<Imf::StringAttribute>(header, "mesoshell:shape");
+        Shape shape;
+        int used = 0;
+        const int found =
+            std::sscanf(text.c_str(), "%d %d %d %d%n", &shape.rows, &shape.columns, &shape.height, &shape.width, &used);
+        if (found != 4 || static_cast<std::size_t>(used) != text.size() || std::min(shape.rows, shape.columns) < 1 ||
+            std::min(shape.height, shape.width) < 1 || shape.picture_width() > INT_MAX || shape.picture_height() > INT_MAX) {
+            refuse("the shape '" + text + "' makes no sense");
+        }
+        const auto& window = header.dataWindow();
+        if (window.min.x != 0 || window.min.y != 0 || window.max.x + std::int64_t(1) != shape.picture_width() ||
+            window.max.y + std::int64_t(1) != shape.picture_height()) {
+            refuse("the shape '" + text + "' does not fit its picture");
+        }
+        // Deflate packs at most about 1030 to 1, and every 16 lines take 20 bytes beside: a small file cannot ask for much
+        // memory.
+        const double overhead = 20.0 * std::ceil(static_cast<double>(shape.picture_height()) / 16.0);
+        const double pixels = static_cast<double>(shape.picture_width()) * static_cast<double>(shape.picture_height());
+        if (pixels * sizeof(std::uint16_t) > 1100.0 * (static_cast<double>(file_size_) - overhead)) {
+            refuse("it promises more data than it can hold");
+        }
+        return shape;
+    }
+
+    std::vector<float> read_part(int index, const Shape& shape, const std::string& channels, const Map& map) const
+    {
+        const Imf::Header& header = file_.header(index);
+        if (!file_.partComplete(index)) {
+            refuse("part " + header.name() + " is not complete");
+        }
+        const std::size_t pixel = channels.size();
+        std::vector<float> picture(shape.count() * pixel);
+        Imf::FrameBuffer buffer;
+        for (std::size_t c = 0; c < pixel; ++c) {
+            const std::string channel(1, channels[c]);
+            if (header.channels().findChannel(channel) == nullptr) {
+                refuse("part " + header.name() + " has no channel " + channel);
+            }
+            buffer.insert(channel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(picture.data() + c), sizeof(float) * pixel,
+                                              sizeof(float) * pixel * shape.picture_width()));
+        }
+        Imf::InputPart input(file_, index);
+        input.setFrameBuffer(buffer);
+        input.readPixels(0, static_cast<int>(shape.picture_height()) - 1);
+        std::vector<float> values(picture.size());
+        for_each_row(shape, [&](std::size_t to, std::size_t from, int length) {
+            std::copy_n(picture.begin() + from * pixel, length * pixel, values.begin() + to * pixel);
+        });
+        if (checksum(map, values) != attribute<Imf::StringAttribute>(header, "mesoshell:checksum")) {
+            refuse("part " + header.name() + " does not match its checksum");
+        }
+        if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) {
+            refuse("part " + header.name() + " holds values that are not finite");
+        }
+        return values;
+    }
+
+    std::string path_;
+    mutable Imf::MultiPartInputFile file_;  // Imf::InputPart takes it as one that changes
+    std::uintmax_t file_size_;
+};
+
+}  // namespace
+}  // namespace store
+
+Map load_map(const std::string& path)
+{
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) {
+        throw FileError(errno, path);
+    }
+    close(file);
+    try {
+        return store::Reader(path).read();
+    } catch (const Iex::BaseExc& problem) {
+        throw Error(path + " is not a usable map: " + problem.what() + "; bake it again");
+    } catch (const std::filesystem::filesystem_error& problem) {
+        throw FileError(problem.code().value(), path);
+    }
+}
+
+}  // namespace mesoshell
