@@ -110,9 +110,8 @@ Reference checked(PyObject* object)
 }
 
 template <typename Element>
-ArrayArgument<Element>::ArrayArgument(ModuleState& state, PyObject* object, const char* name, int row)
+void ArrayArgument<Element>::acquire(ModuleState& state, PyObject* object, const std::string& called)
 {
-    const std::string called(name);
     const Reference given = checked(PyObject_CallMethod(numpy(state), "asarray", "(O)", object));
     const char kind = kind_of(given.get());
     const bool integer = kind == 'i' || kind == 'u';
@@ -125,15 +124,34 @@ ArrayArgument<Element>::ArrayArgument(ModuleState& state, PyObject* object, cons
     if (PyObject_GetBuffer(array.get(), &view_, PyBUF_ND | PyBUF_FORMAT) != 0) {
         throw PythonError();
     }
-    const bool fits = row == 0 ? view_.ndim == 1 : view_.ndim == 2 && view_.shape[1] == row;
-    if (!fits) {
-        std::string shape;
-        for (int axis = 0; axis < view_.ndim; ++axis) {
-            shape += (axis > 0 ? ", " : "") + std::to_string(view_.shape[axis]);
-        }
-        PyBuffer_Release(&view_);
-        throw InvalidArgument(called + " has shape [" + shape + "]; give [n" +
-                              (row == 0 ? "]" : ", " + std::to_string(row) + "]"));
+}
+
+template <typename Element>
+void ArrayArgument<Element>::refuse_shape(const std::string& called, const std::string& wanted)
+{
+    std::string shape;
+    for (int axis = 0; axis < view_.ndim; ++axis) {
+        shape += (axis > 0 ? ", " : "") + std::to_string(view_.shape[axis]);
+    }
+    PyBuffer_Release(&view_);
+    throw InvalidArgument(called + " has shape [" + shape + "]; give " + wanted);
+}
+
+template <typename Element>
+ArrayArgument<Element>::ArrayArgument(ModuleState& state, PyObject* object, const char* name, int row)
+{
+    acquire(state, object, name);
+    if (row == 0 ? view_.ndim != 1 : view_.ndim != 2 || view_.shape[1] != row) {
+        refuse_shape(name, row == 0 ? "[n]" : "[n, " + std::to_string(row) + "]");
+    }
+}
+
+template <typename Element>
+ArrayArgument<Element>::ArrayArgument(ModuleState& state, PyObject* object, const char* name, Axes axes)
+{
+    acquire(state, object, name);
+    if (view_.ndim != axes.count) {
+        refuse_shape(name, std::to_string(axes.count) + " axes");
     }
 }
 

@@ -36,6 +36,11 @@ private:
 // Throws PythonError for null.
 Reference checked(PyObject* object);
 
+// How many axes an array argument has.
+struct Axes {
+    int count;
+};
+
 // A contiguous array argument of one element type, held while this lives.
 template <typename Element>
 class ArrayArgument {
@@ -43,6 +48,8 @@ public:
     // Accepts whatever numpy.asarray does; integers for integer elements only. `row` is the extent of the last axis (0: one
     // axis of any length). Throws InvalidArgument that names the argument; PythonError.
     ArrayArgument(ModuleState& state, PyObject* object, const char* name, int row);
+    // The same with that many axes of any lengths.
+    ArrayArgument(ModuleState& state, PyObject* object, const char* name, Axes axes);
     ~ArrayArgument() { PyBuffer_Release(&view_); }
     ArrayArgument(const ArrayArgument&) = delete;
     ArrayArgument& operator=(const ArrayArgument&) = delete;
@@ -51,6 +58,7 @@ public:
     {
         return {static_cast<const Element*>(view_.buf), static_cast<std::size_t>(view_.len) / sizeof(Element)};
     }
+    std::span<const Py_ssize_t> shape() const { return {view_.shape, static_cast<std::size_t>(view_.ndim)}; }
     // The same memory as rows of vectors.
     template <typename Vector>
     std::span<const Vector> rows() const
@@ -59,6 +67,9 @@ public:
     }
 
 private:
+    void acquire(ModuleState& state, PyObject* object, const std::string& called);
+    [[noreturn]] void refuse_shape(const std::string& called, const std::string& wanted);
+
     Py_buffer view_{};
 };
 
