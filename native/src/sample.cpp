@@ -118,6 +118,15 @@ void Sample::check_values() const
     }
 }
 
+bool Sample::winds_outward() const
+{
+    double volume = 0.0;
+    for (const glm::uvec3& t : triangles_) {
+        volume += glm::dot(glm::dvec3(positions_[t.x]), glm::cross(glm::dvec3(positions_[t.y]), glm::dvec3(positions_[t.z])));
+    }
+    return oriented_ && volume > 0.0;
+}
+
 void Sample::check_closed()
 {
     const std::vector<std::uint32_t> welded = weld_periodic(positions_, aspect_);

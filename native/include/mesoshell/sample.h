@@ -28,6 +28,8 @@ public:
     // winding number is not zero; otherwise inside means an odd number of crossings.
     bool oriented() const { return oriented_; }
 
+    bool winds_outward() const;
+
     // The mesh clipped to the slab, without caps.
     const std::vector<glm::vec3>& slab_positions() const { return slab_positions_.empty() ? positions_ : slab_positions_; }
     const std::vector<glm::uvec3>& slab_triangles() const
