@@ -171,7 +171,7 @@ int main(int argc, char** argv)
     for (int round = 0; round < std::atoi(argv[10]); ++round) {
         for (int i = 11; i < argc; ++i) {
             const char* at = std::strchr(argv[i], '@');
-            const std::string what = at != nullptr ? std::string(argv[i], at) : argv[i];
+            const std::string what = at != nullptr ? std::string(argv[i], static_cast<std::size_t>(at - argv[i])) : argv[i];
             std::printf("%.6f ", bench.seconds(what, at != nullptr ? std::atoi(at + 1) : std::atoi(argv[9])));
         }
         std::printf("\n");
