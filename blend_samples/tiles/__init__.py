@@ -7,7 +7,7 @@ from importlib import import_module
 
 from .tile import Tile
 
-NAMES = ("weave", "grid", "chain", "squama", "bark", "fur")
+NAMES = ("weave", "chain")
 
 
 def make(name, detail=1.0):

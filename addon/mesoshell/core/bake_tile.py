@@ -6,15 +6,24 @@ import time
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+import numpy as np
+
 from . import native, packing
-from .tile_surface import TileSurface
 
 
 @dataclass(frozen=True)
 class BakeRequest:
-    """All that a bake needs; arrays are private copies, so that a thread may read them."""
+    """All that a bake needs; arrays are private copies, so that a thread may read them.
 
-    surface: TileSurface
+    positions  float64 [n, 3] in metric texture space (tile widths); triangles int32 [m, 3]
+    height     of the tile, in tile widths; aspect: pv / pu
+    """
+
+    name: str
+    positions: np.ndarray
+    triangles: np.ndarray
+    height: float
+    aspect: float
     path: str
     resolution: tuple = (64, 64, 32)
     directions: tuple = (16, 32)
@@ -26,14 +35,14 @@ class BakeRequest:
 
 @dataclass(frozen=True)
 class BakeResult:
-    """`rmse` is the truncation's, in tile widths; `seconds` maps each stage to its wall time; `notices` are sentences."""
+    """`rmse` is the truncation's, in tile widths; `seconds` maps each stage to its wall time."""
 
     path: str
     terms: int
     rmse: float
     ray_count: int
+    clipped_triangles: int
     seconds: dict
-    notices: tuple
 
 
 # Shares of the whole, as measured on the chain tile; only the progress bar depends on them.
@@ -75,7 +84,6 @@ def bake_tile(request, progress=None):
     Raises what the native module raises: ValueError, OSError, MemoryError, Error.
     """
     module = native.module()
-    surface = request.surface
     seconds = {}
     done = 0.0
     shares = dict(_SHARES)
@@ -89,20 +97,21 @@ def bake_tile(request, progress=None):
 
         # The stages that are too quick to ask themselves still obey a cancel that came before them.
         if not inner(0.0):
-            raise module.Cancelled(f"The bake of {surface.name} was cancelled")
+            raise module.Cancelled(f"The bake of {request.name} was cancelled")
         before = time.perf_counter()
         if name == "save":  # its sentences name the file
             result = call(inner)
         else:
-            with _naming(surface.name, module):
+            with _naming(request.name, module):
                 result = call(inner)
         seconds[name] = time.perf_counter() - before
         done = start + share
         return result
 
-    with _naming(surface.name, module):
+    with _naming(request.name, module):
         packing.check_size(request.terms, request.resolution, request.directions, request.sdf_resolution)
-        sample = module.Sample(surface.positions, surface.triangles, height=surface.height, aspect=surface.aspect)
+        sample = module.Sample(request.positions, request.triangles, height=request.height,
+                               aspect=request.aspect)
     gdm = stage("gdm", lambda inner: module.bake_gdm(
         sample, resolution=request.resolution, directions=request.directions, threads=request.threads, progress=inner))
     sdf = stage("sdf", lambda inner: module.bake_sdf(
@@ -113,12 +122,5 @@ def bake_tile(request, progress=None):
     stage("save", lambda inner: compressed.save(request.path))
     if progress is not None:
         progress(1.0)
-    return BakeResult(request.path, compressed.terms, compressed.rmse, ray_count, seconds, _notices(surface, sample))
-
-
-def _notices(surface, sample):
-    notices = list(surface.notices)
-    if sample.clipped_triangles:
-        notices.append(f'{sample.clipped_triangles} triangles of "{surface.name}" reach out of the tile\'s height and were '
-                       "clipped")
-    return tuple(notices)
+    return BakeResult(request.path, compressed.terms, compressed.rmse, ray_count, sample.clipped_triangles,
+                      seconds)
