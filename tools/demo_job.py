@@ -39,11 +39,12 @@ class Stages:
         self.rows.append(row)
 
 
-def bake(stage, native, meshes):
+def bake(stage, native, chosen_source):
     """Sample, map file and raw GDM's numbers; returns (sample, path of the map)."""
     tile = bpy.data.objects[TILE]
     with stage("read the tile") as row:
-        arrays = meshes.read_tile(tile, bpy.context.evaluated_depsgraph_get())
+        choice = chosen_source.choose(bpy.context, source='OBJECT', tile=tile)
+        arrays = chosen_source.read(choice, bpy.context.evaluated_depsgraph_get())
         sample = native.Sample(arrays.positions, arrays.triangles, height=arrays.height, aspect=arrays.aspect)
         row["note"] = f"{sample.triangle_count} triangles, height {sample.height:.2f} tile widths"
     with stage("bake GDM") as row:
@@ -82,11 +83,11 @@ def run():
     mesoshell.register()
     from mesoshell.core import native as finder
     from mesoshell.gpu import draw, offscreen
-    from mesoshell.host import lights, meshes, shells
+    from mesoshell.host import chosen_source, lights, shells
 
     native = finder.module()
     stage = Stages()
-    sample, path = bake(stage, native, meshes)
+    sample, path = bake(stage, native, chosen_source)
     instance = add_shell(stage, shells, path)
 
     with stage("viewport (first frame)") as row:

@@ -18,13 +18,17 @@ bl_info = {
 # In order of registration; each has register() and unregister().
 NAMES = [
     "host.properties",
+    "host.bake_options",
     "host.shells",
     "host.bake_state",
+    "ops.add_tile_box",
+    "ops.snap_tile_box",
     "ops.bake",
     "ops.cancel_bake",
     "ops.add_shell",
     "ops.remove_shell",
-    "ui.panel",
+    "ui.bake_panel",
+    "ui.shell_panel",
 ]
 if not bpy.app.background:
     NAMES.append("gpu.handler")

@@ -7,7 +7,7 @@ from importlib import import_module
 
 from .tile import Tile
 
-NAMES = ("weave", "chain")
+NAMES = ("weave", "grid", "chain", "squama", "bark", "fur")
 
 
 def make(name, detail=1.0):

@@ -116,3 +116,25 @@ def sheet(height_of, rows, columns, aspect, facing=1):
     positions[:, -1, 2] = positions[:, 0, 2]
     triangles = grid_triangles(rows + 1, columns + 1)
     return positions.reshape(-1, 3), triangles if facing > 0 else triangles[:, ::-1]
+
+
+def capped_tube(rings, first, last):
+    """A closed tube: positions [n * sides + 2, 3] and triangles, of rings [n, sides, 3] and the points that close its ends.
+
+    Rings run counter-clockwise seen from where the tube goes to.
+    """
+    count, sides = rings.shape[:2]
+    positions = np.concatenate([rings.reshape(-1, 3), [first, last]])
+    j = np.arange(sides)
+    next_j = (j + 1) % sides
+    end = (count - 1) * sides
+    bottom = np.stack([next_j, j, np.full(sides, count * sides)], -1)
+    top = np.stack([end + j, end + next_j, np.full(sides, count * sides + 1)], -1)
+    return positions, np.concatenate([grid_triangles(count, sides, wrap_columns=True), bottom, top])
+
+
+def turned_about_z(points, angles):
+    """Points [n, 3] turned about the z axis by each of `angles` [m]: float64 [m, n, 3]."""
+    c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    x, y, z = np.moveaxis(points, -1, 0)
+    return np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (len(angles), len(points)))], -1)

@@ -1,18 +1,22 @@
-// What Embree alone does with the rays of a GDM bake: rtcIntersect16 on coherent packets over instances of the tile, and
-// rtcIntersect1. For ./dev bench bake; the rays, their order and the threads are those of bake_gdm.
+// What a GDM bake costs, engine by engine, beside bare loops of Embree over the very same rays. For ./dev bench bake.
 //
-//     bake_rays MESH nx ny nz ntheta nphi height aspect ROUNDS
+//     bake_rays MESH nx ny nz ntheta nphi height aspect THREADS ROUNDS WHAT…
 //
-// MESH holds int32 vertex count, int32 triangle count, float32 positions, uint32 indices. Prints, a line each round:
-// seconds and rays of bake_gdm, of the packets, of single rays.
-#include <atomic>
+// MESH holds int32 vertex count, int32 triangle count, float32 positions, uint32 indices. WHAT, any number of them, run one
+// after another in every round: "slices" and "embree" (bake_gdm with that engine, everything included), "stream" (the slice
+// engine, azimuth by azimuth into the same memory), "packets" (rtcIntersect16, coherent, over instances) and "singles"
+// (rtcIntersect1) over the bake's rays. A WHAT may end in "@N" for N threads. Prints the number of rays, then a line of seconds
+// a round.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
+#include <string>
 #include <vector>
 
 #include "embree_scene.h"
+#include "gdm_baker.h"
 #include "mesoshell/bake.h"
 #include "parallel.h"
 #include "tile_space.h"
@@ -40,14 +44,12 @@ Sample read_sample(const char* path, float height, float aspect)
 
 // Every ray that bake_gdm casts, in its order: a strip of four rows for one azimuth at a time.
 template <typename Cast>
-std::uint64_t for_each_packet(const Gdm& gdm, const Cast& cast)
+void for_each_packet(const Gdm& gdm, int threads, const Cast& cast)
 {
     const GdmResolution& r = gdm.resolution;
     const int strips = (r.nodes.y + 3) / 4;
-    std::atomic<std::uint64_t> rays = 0;
-    Job job;
+    Job job(threads);
     parallel_for(job, r.nphi * strips, [&](int task) {
-        std::uint64_t cast_here = 0;
         for (int x_first = 0; x_first < r.nodes.x; x_first += 4) {
             for (int theta = 0; theta < r.ntheta; ++theta) {
                 const glm::vec3 dir(gdm_direction(r, theta, task / strips));
@@ -64,7 +66,6 @@ std::uint64_t for_each_packet(const Gdm& gdm, const Cast& cast)
                         const bool casts =
                             exists && limit > 0.0f && gdm.values[gdm.index(task / strips, y, x, theta, z)] > 0.0f;
                         valid[lane] = casts ? -1 : 0;
-                        cast_here += casts ? 1 : 0;
                         rays16.org_x[lane] = static_cast<float>(x) / static_cast<float>(r.nodes.x);
                         rays16.org_y[lane] = gdm.aspect * static_cast<float>(y) / static_cast<float>(r.nodes.y);
                         rays16.org_z[lane] = w;
@@ -80,22 +81,84 @@ std::uint64_t for_each_packet(const Gdm& gdm, const Cast& cast)
                 }
             }
         }
-        rays += cast_here;
     });
-    return rays;
 }
 
-double seconds_since(Clock::time_point start)
-{
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
+class Bench {
+public:
+    Bench(const Sample& sample, const GdmResolution& resolution)
+        : sample_(sample), resolution_(resolution),
+          scene_(sample.positions(), sample.triangles(), lattice_within(sample, farthest_reach(resolution, sample.height())))
+    {
+    }
+
+    double seconds(const std::string& what, int threads)
+    {
+        Job job(threads);
+        if (what == "packets" || what == "singles") {
+            // Which rays there are; not measured.
+            if (gdm_.values.empty()) {
+                Job any;
+                gdm_ = bake_gdm(sample_, resolution_, Engine::automatic, any);
+            }
+        }
+        const Clock::time_point start = Clock::now();
+        if (what == "slices" || what == "embree") {
+            bake_gdm(sample_, resolution_, what == "slices" ? Engine::slices : Engine::embree, job);
+        } else if (what == "stream") {
+            stream(job);
+        } else if (what == "packets") {
+            for_each_packet(gdm_, threads,
+                            [&](const std::int32_t* valid, RayPacket16& rays) { scene_.intersect16(valid, rays); });
+        } else if (what == "singles") {
+            for_each_packet(gdm_, threads, [&](const std::int32_t* valid, RayPacket16& rays) { cast_singly(valid, rays); });
+        } else {
+            std::fprintf(stderr, "bake_rays: there is no %s\n", what.c_str());
+            std::exit(2);
+        }
+        return std::chrono::duration<double>(Clock::now() - start).count();
+    }
+
+    std::uint64_t rays() const
+    {
+        Job job;
+        return GdmBaker(sample_, resolution_, Engine::slices, job).rays_per_azimuth() *
+               static_cast<std::uint64_t>(resolution_.nphi);
+    }
+
+private:
+    void stream(Job& job) const
+    {
+        const GdmBaker baker(sample_, resolution_, Engine::slices, job);
+        UninitializedVector<float> values(std::size_t(resolution_.nodes.x) * resolution_.nodes.y * resolution_.nodes.z *
+                                          resolution_.ntheta);
+        for (int phi = 0; phi < resolution_.nphi; ++phi) {
+            baker.bake(phi, 1, values.data(), job);
+        }
+    }
+
+    void cast_singly(const std::int32_t* valid, RayPacket16& rays) const
+    {
+        for (int lane = 0; lane < 16; ++lane) {
+            if (valid[lane] != 0) {
+                scene_.intersect1(glm::vec3(rays.org_x[lane], rays.org_y[lane], rays.org_z[lane]),
+                                  glm::vec3(rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]), 0.0f, rays.tfar[lane]);
+            }
+        }
+    }
+
+    const Sample& sample_;
+    GdmResolution resolution_;
+    TriangleScene scene_;
+    Gdm gdm_;
+};
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    if (argc != 10) {
-        std::fprintf(stderr, "bake_rays MESH nx ny nz ntheta nphi height aspect ROUNDS\n");
+    if (argc < 12) {
+        std::fprintf(stderr, "bake_rays MESH nx ny nz ntheta nphi height aspect THREADS ROUNDS WHAT…\n");
         return 2;
     }
     const Sample sample = read_sample(argv[1], std::strtof(argv[7], nullptr), std::strtof(argv[8], nullptr));
@@ -103,32 +166,15 @@ int main(int argc, char** argv)
     resolution.nodes = glm::ivec3(std::atoi(argv[2]), std::atoi(argv[3]), std::atoi(argv[4]));
     resolution.ntheta = std::atoi(argv[5]);
     resolution.nphi = std::atoi(argv[6]);
-    std::printf("bake_seconds packet_seconds single_seconds bake_rays packet_rays single_rays\n");
-    for (int round = 0; round < std::atoi(argv[9]); ++round) {
-        Job job;
-        Clock::time_point start = Clock::now();
-        const Gdm gdm = bake_gdm(sample, resolution, job);
-        const double bake_seconds = seconds_since(start);
-
-        const TriangleScene scene(sample.positions(), sample.triangles(),
-                                  lattice_within(sample, farthest_reach(resolution, sample.height())));
-        start = Clock::now();
-        const std::uint64_t packet_rays =
-            for_each_packet(gdm, [&](const std::int32_t* valid, RayPacket16& rays) { scene.intersect16(valid, rays); });
-        const double packet_seconds = seconds_since(start);
-
-        start = Clock::now();
-        const std::uint64_t single_rays = for_each_packet(gdm, [&](const std::int32_t* valid, RayPacket16& rays) {
-            for (int lane = 0; lane < 16; ++lane) {
-                if (valid[lane] != 0) {
-                    scene.intersect1(glm::vec3(rays.org_x[lane], rays.org_y[lane], rays.org_z[lane]),
-                                     glm::vec3(rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]), 0.0f, rays.tfar[lane]);
-                }
-            }
-        });
-        std::printf("%.6f %.6f %.6f %llu %llu %llu\n", bake_seconds, packet_seconds, seconds_since(start),
-                    static_cast<unsigned long long>(gdm.ray_count), static_cast<unsigned long long>(packet_rays),
-                    static_cast<unsigned long long>(single_rays));
+    Bench bench(sample, resolution);
+    std::printf("%llu\n", static_cast<unsigned long long>(bench.rays()));
+    for (int round = 0; round < std::atoi(argv[10]); ++round) {
+        for (int i = 11; i < argc; ++i) {
+            const char* at = std::strchr(argv[i], '@');
+            const std::string what = at != nullptr ? std::string(argv[i], static_cast<std::size_t>(at - argv[i])) : argv[i];
+            std::printf("%.6f ", bench.seconds(what, at != nullptr ? std::atoi(at + 1) : std::atoi(argv[9])));
+        }
+        std::printf("\n");
         std::fflush(stdout);
     }
     return 0;

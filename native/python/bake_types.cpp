@@ -1,6 +1,7 @@
 // mesoshell_native.Gdm, Sdf, bake_gdm, bake_sdf
 #include "arrays.h"
 #include "mesoshell/bake.h"
+#include "mesoshell/libraries.h"
 #include "run.h"
 
 namespace mesoshell::python {
@@ -97,18 +98,29 @@ PyType_Slot sdf_slots[] = {
 PyType_Spec sdf_spec = {"mesoshell_native.Sdf", sizeof(Boxed<Sdf>), 0,
                         Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION, sdf_slots};
 
+Engine engine_argument(const std::string& name)
+{
+    for (const auto& [known, engine] : {std::pair("auto", Engine::automatic), {"embree", Engine::embree}, {"slices", Engine::slices}}) {
+        if (name == known) {
+            return engine;
+        }
+    }
+    throw InvalidArgument("engine is '" + name + "'; give auto, embree or slices");
+}
+
 PyObject* py_bake_gdm(PyObject* module, PyObject* args, PyObject* kwargs)
 {
     ModuleState& state = state_of_module(module);
     return guarded(state, [&]() -> PyObject* {
-        static const char* names[] = {"sample", "resolution", "directions", "threads", "progress", nullptr};
+        static const char* names[] = {"sample", "resolution", "directions", "engine", "threads", "progress", nullptr};
         PyObject* sample = nullptr;
         PyObject* resolution = nullptr;
         PyObject* directions = nullptr;
         PyObject* progress = nullptr;
+        const char* engine = "auto";
         int threads = 0;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOiO:bake_gdm", const_cast<char**>(names), state.sample_type,
-                                         &sample, &resolution, &directions, &threads, &progress)) {
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOsiO:bake_gdm", const_cast<char**>(names), state.sample_type,
+                                         &sample, &resolution, &directions, &engine, &threads, &progress)) {
             return nullptr;
         }
         GdmResolution wanted;
@@ -123,7 +135,8 @@ PyObject* py_bake_gdm(PyObject* module, PyObject* args, PyObject* kwargs)
         }
         const auto held = unbox<Sample>(sample);
         Job job(threads);
-        return box(state.gdm_type, run(job, progress, [&] { return bake_gdm(*held, wanted, job); }));
+        const Engine chosen = engine_argument(engine);
+        return box(state.gdm_type, run(job, progress, [&] { return bake_gdm(*held, wanted, chosen, job); }));
     });
 }
 
@@ -151,13 +164,21 @@ PyObject* py_bake_sdf(PyObject* module, PyObject* args, PyObject* kwargs)
     });
 }
 
+PyObject* py_instruction_set(PyObject*, PyObject*)
+{
+    return PyUnicode_FromString(instruction_set());
+}
+
 PyMethodDef functions[] = {
     {"bake_gdm", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_bake_gdm)), METH_VARARGS | METH_KEYWORDS,
-     "bake_gdm(sample, *, resolution=(64, 64, 32), directions=(16, 32), threads=0, progress=None)\n--\n\n"
-     "The raw GDM of a sample; resolution (nx, ny, nz), directions (ntheta, nphi)."},
+     "bake_gdm(sample, *, resolution=(64, 64, 32), directions=(16, 32), engine=\"auto\", threads=0, progress=None)\n--\n\n"
+     "The raw GDM of a sample; resolution (nx, ny, nz), directions (ntheta, nphi). Engines: \"embree\" casts rays, \"slices\" "
+     "rasterizes triangles, \"auto\" takes the faster one for the number of triangles."},
     {"bake_sdf", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_bake_sdf)), METH_VARARGS | METH_KEYWORDS,
      "bake_sdf(sample, *, resolution=(64, 64, 33), threads=0, progress=None)\n--\n\n"
      "The signed distance field of a sample; resolution (nx, ny, nz)."},
+    {"instruction_set", py_instruction_set, METH_NOARGS,
+     "instruction_set()\n--\n\nThe instruction set that the inner loops of this processor use: \"avx2\" or \"baseline\" (any x86-64)."},
     {nullptr, nullptr, 0, nullptr},
 };
 

@@ -94,6 +94,83 @@ def test_object_that_is_not_there(fresh, tmp_path):
     assert '"Nobody"' in shell_error("Nobody", tmp_path / "x.gdm.exr")
 
 
+def empty_box(name="Box", scale=(1.0, 1.0, 1.0), location=(0.5, 0.5, 0.5)):
+    box = bpy.data.objects.new(name, None)
+    box.empty_display_type, box.empty_display_size = 'CUBE', 0.5
+    box.location, box.scale = location, scale
+    bpy.context.scene.collection.objects.link(box)
+    update()
+    return box
+
+
+def test_several_objects_without_a_box(chain_scene, tmp_path):
+    chain_scene.scene.mesoshell.source = 'SELECTION'
+    for obj in (chain_scene.tile, chain_scene.torus):
+        obj.select_set(True)
+    with pytest.raises(RuntimeError) as caught:
+        bpy.ops.mesoshell.bake(filepath=str(tmp_path / "x.gdm.exr"), **TINY)
+    assert "Add Tile Box" in sentence(caught)
+
+
+def test_nothing_selected(chain_scene, tmp_path):
+    chain_scene.scene.mesoshell.source = 'SELECTION'
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(False)
+    with pytest.raises(RuntimeError) as caught:
+        bpy.ops.mesoshell.bake(filepath=str(tmp_path / "x.gdm.exr"), **TINY)
+    assert "select" in sentence(caught)
+
+
+@pytest.mark.parametrize("content", ["nothing", "a lamp", "a hidden ball", "a wire", "an excluded ball"])
+def test_collection_with_no_surface(chain_scene, tmp_path, content):
+    collection = bpy.data.collections.new("Hollow")
+    bpy.context.scene.collection.children.link(collection)
+    if content == "a lamp":
+        collection.objects.link(bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", 'POINT')))
+    elif content == "a wire":
+        wire = scenes.make_object("Wire", [[0, 0, 0], [1, 0, 0]], [])
+        collection.objects.link(wire)
+    elif content != "nothing":
+        collection.objects.link(chain_scene.tile)
+        bpy.context.scene.collection.objects.unlink(chain_scene.tile)
+        chain_scene.tile.hide_set(content == "a hidden ball")
+        if content == "an excluded ball":
+            bpy.context.view_layer.layer_collection.children["Hollow"].exclude = True
+    box = empty_box()
+    with pytest.raises(RuntimeError) as caught:
+        bpy.ops.mesoshell.bake(collection="Hollow", box=box.name, filepath=str(tmp_path / "x.gdm.exr"), **TINY)
+    assert "Hollow" in sentence(caught)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_box_without_size(chain_scene, tmp_path, axis):
+    box = empty_box(scale=[0.0 if k == axis else 1.0 for k in range(3)])
+    with pytest.raises(RuntimeError) as caught:
+        bpy.ops.mesoshell.bake(tile=chain_scene.torus.name, box=box.name, filepath=str(tmp_path / "x.gdm.exr"), **TINY)
+    text = sentence(caught)
+    assert '"Box"' in text and "XYZ"[axis] in text
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("axis, where", [(0, "beside"), (1, "beside"), (2, "below")])
+def test_box_far_from_the_geometry(chain_scene, tmp_path, axis, where):
+    box = empty_box(location=[50.0 if k == axis else 0.0 for k in range(3)])
+    with pytest.raises(RuntimeError) as caught:
+        bpy.ops.mesoshell.bake(tile=chain_scene.torus.name, box=box.name, filepath=str(tmp_path / "x.gdm.exr"), **TINY)
+    text = sentence(caught)
+    assert '"Box"' in text and chain_scene.torus.name in text and where in text
+    assert not list(tmp_path.iterdir())
+
+
+def test_box_around_nothing(fresh):
+    fresh.mesoshell.tile = scenes.make_object("Void", [], [])
+    update()
+    with pytest.raises(RuntimeError) as caught:
+        bpy.ops.mesoshell.add_tile_box()
+    assert "Void" in sentence(caught)
+
+
 def test_tile_whose_modifiers_are_not_evaluated(chain_scene, tmp_path):
     chain_scene.tile.modifiers.new("Bevel", 'BEVEL')
     chain_scene.tile.hide_viewport = True

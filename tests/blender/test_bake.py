@@ -95,12 +95,16 @@ def test_map_knows_the_tiles_shape(native, map_file):
     assert stored.rmse < 1e-4, "all terms leave nothing out"
 
 
+def read(part, tile):
+    source = part("host.chosen_source")
+    return source.read(source.choose(bpy.context, source='OBJECT', tile=tile), bpy.context.evaluated_depsgraph_get())
+
+
 def test_even_scale_and_place_do_not_matter(part, chain_scene):
-    read = part("host.meshes").read_tile
-    before = read(chain_scene.tile, bpy.context.evaluated_depsgraph_get())
+    before = read(part, chain_scene.tile)
     chain_scene.tile.scale, chain_scene.tile.location = (5.0, 5.0, 5.0), (100.0, 0.0, 0.0)
     bpy.context.view_layer.update()
-    after = read(chain_scene.tile, bpy.context.evaluated_depsgraph_get())
+    after = read(part, chain_scene.tile)
     np.testing.assert_allclose(after.positions, before.positions, atol=1e-6)
     assert after.height == pytest.approx(before.height) == pytest.approx(scenes.HEIGHT)
 
@@ -108,7 +112,7 @@ def test_even_scale_and_place_do_not_matter(part, chain_scene):
 def test_uneven_scale_is_the_shape_that_is_seen(part, chain_scene):
     chain_scene.tile.scale = (1.0, 2.0, 3.0)
     bpy.context.view_layer.update()
-    tile = part("host.meshes").read_tile(chain_scene.tile, bpy.context.evaluated_depsgraph_get())
+    tile = read(part, chain_scene.tile)
     assert tile.aspect == pytest.approx(2 * scenes.ASPECT)
     assert tile.height == pytest.approx(3 * scenes.HEIGHT)
     expected = (scenes.CENTER + [0.0, 0.0, scenes.RADIUS]) * [1.0, 2.0, 3.0]
@@ -116,13 +120,12 @@ def test_uneven_scale_is_the_shape_that_is_seen(part, chain_scene):
 
 
 def test_modifiers_are_baked(part, chain_scene):
-    read = part("host.meshes").read_tile
-    before = read(chain_scene.tile, bpy.context.evaluated_depsgraph_get())
+    before = read(part, chain_scene.tile)
     modifier = chain_scene.tile.modifiers.new("Second sphere", 'ARRAY')
     modifier.use_relative_offset, modifier.use_constant_offset = False, True
     modifier.constant_offset_displace = (0.25 * scenes.WIDTH, 0.0, 0.0)
     bpy.context.view_layer.update()
-    after = read(chain_scene.tile, bpy.context.evaluated_depsgraph_get())
+    after = read(part, chain_scene.tile)
     assert len(after.triangles) == 2 * len(before.triangles)
     assert np.ptp(after.positions[:, 0]) == pytest.approx(np.ptp(before.positions[:, 0]) + 0.25, abs=1e-5)
 
@@ -136,7 +139,7 @@ def test_edit_mode_is_baked_as_it_is_seen(part, chain_scene):
         for vertex in edited.verts:
             vertex.co.z += 0.25 * scenes.WIDTH
         bmesh.update_edit_mesh(chain_scene.tile.data)
-        tile = part("host.meshes").read_tile(chain_scene.tile, bpy.context.evaluated_depsgraph_get())
+        tile = read(part, chain_scene.tile)
     finally:
         bpy.ops.object.mode_set(mode='OBJECT')
     assert tile.positions[:, 2].mean() == pytest.approx(scenes.CENTER[2] + 0.25, abs=1e-3)

@@ -38,7 +38,7 @@ def test_a_part_that_fails_takes_the_others_back(addon, part, monkeypatch):
     addon.unregister()
     try:
         with monkeypatch.context() as patch:
-            patch.setattr(part("ui.panel"), "register", fail)
+            patch.setattr(part("ui.shell_panel"), "register", fail)
             with pytest.raises(RuntimeError, match="can not register"):
                 addon.register()
         assert traces() == (set(), set(), set(), set())

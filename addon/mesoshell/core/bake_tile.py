@@ -6,24 +6,15 @@ import time
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-import numpy as np
-
 from . import native, packing
+from .tile_surface import TileSurface
 
 
 @dataclass(frozen=True)
 class BakeRequest:
-    """All that a bake needs; arrays are private copies, so that a thread may read them.
+    """All that a bake needs; arrays are private copies, so that a thread may read them."""
 
-    positions  float64 [n, 3] in metric texture space (tile widths); triangles int32 [m, 3]
-    height     of the tile, in tile widths; aspect: pv / pu
-    """
-
-    name: str
-    positions: np.ndarray
-    triangles: np.ndarray
-    height: float
-    aspect: float
+    surface: TileSurface
     path: str
     resolution: tuple = (64, 64, 32)
     directions: tuple = (16, 32)
@@ -35,14 +26,14 @@ class BakeRequest:
 
 @dataclass(frozen=True)
 class BakeResult:
-    """`rmse` is the truncation's, in tile widths; `seconds` maps each stage to its wall time."""
+    """`rmse` is the truncation's, in tile widths; `seconds` maps each stage to its wall time; `notices` are sentences."""
 
     path: str
     terms: int
     rmse: float
     ray_count: int
-    clipped_triangles: int
     seconds: dict
+    notices: tuple
 
 
 # Shares of the whole, as measured on the chain tile; only the progress bar depends on them.
@@ -84,6 +75,7 @@ def bake_tile(request, progress=None):
     Raises what the native module raises: ValueError, OSError, MemoryError, Error.
     """
     module = native.module()
+    surface = request.surface
     seconds = {}
     done = 0.0
     shares = dict(_SHARES)
@@ -97,21 +89,20 @@ def bake_tile(request, progress=None):
 
         # The stages that are too quick to ask themselves still obey a cancel that came before them.
         if not inner(0.0):
-            raise module.Cancelled(f"The bake of {request.name} was cancelled")
+            raise module.Cancelled(f"The bake of {surface.name} was cancelled")
         before = time.perf_counter()
         if name == "save":  # its sentences name the file
             result = call(inner)
         else:
-            with _naming(request.name, module):
+            with _naming(surface.name, module):
                 result = call(inner)
         seconds[name] = time.perf_counter() - before
         done = start + share
         return result
 
-    with _naming(request.name, module):
+    with _naming(surface.name, module):
         packing.check_size(request.terms, request.resolution, request.directions, request.sdf_resolution)
-        sample = module.Sample(request.positions, request.triangles, height=request.height,
-                               aspect=request.aspect)
+        sample = module.Sample(surface.positions, surface.triangles, height=surface.height, aspect=surface.aspect)
     gdm = stage("gdm", lambda inner: module.bake_gdm(
         sample, resolution=request.resolution, directions=request.directions, threads=request.threads, progress=inner))
     sdf = stage("sdf", lambda inner: module.bake_sdf(
@@ -122,5 +113,12 @@ def bake_tile(request, progress=None):
     stage("save", lambda inner: compressed.save(request.path))
     if progress is not None:
         progress(1.0)
-    return BakeResult(request.path, compressed.terms, compressed.rmse, ray_count, sample.clipped_triangles,
-                      seconds)
+    return BakeResult(request.path, compressed.terms, compressed.rmse, ray_count, seconds, _notices(surface, sample))
+
+
+def _notices(surface, sample):
+    notices = list(surface.notices)
+    if sample.clipped_triangles:
+        notices.append(f'{sample.clipped_triangles} triangles of "{surface.name}" reach out of the tile\'s height and were '
+                       "clipped")
+    return tuple(notices)

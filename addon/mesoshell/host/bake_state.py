@@ -11,6 +11,7 @@ job = None  # core.jobs.Job while one runs
 title = ""  # what the progress bar says
 report = ""  # the sentence that the last bake ended with
 failed = False  # whether `report` is an error
+notices = ()  # sentences on what the last bake made of its source
 
 
 def running():
@@ -19,15 +20,15 @@ def running():
 
 def start(work, name):
     """Runs `work(progress)` in the background."""
-    global job, title, report, failed
-    title, report, failed = name, "", False
+    global job, title, report, failed, notices
+    title, report, failed, notices = name, "", False, ()
     job = jobs.Job(work, name)
     return job
 
 
-def finish(sentence, is_error):
-    global job, report, failed
-    job, report, failed = None, sentence, is_error
+def finish(sentence, is_error, about_source=()):
+    global job, report, failed, notices
+    job, report, failed, notices = None, sentence, is_error, tuple(about_source)
 
 
 def fraction():

@@ -1,4 +1,4 @@
-"""Reads Blender's objects into arrays: a tile for the bake, a surface for the shell.
+"""Reads Blender's mesh objects into arrays: the surface for a shell.
 
 What is read is the evaluated object: modifiers apply, and in Edit mode the mesh is what is being edited. Arrays are
 private copies.
@@ -9,14 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.tile_surface import check_finite
 from . import versions
-
-
-class TileArrays(NamedTuple):
-    positions: np.ndarray  # float64 [n, 3], metric texture space (tile widths)
-    triangles: np.ndarray  # int32 [m, 3]
-    height: float  # tile widths
-    aspect: float  # period_v over period_u
 
 
 class SurfaceArrays(NamedTuple):
@@ -26,40 +20,13 @@ class SurfaceArrays(NamedTuple):
     uvs: np.ndarray  # float32 [c, 2], in tiles
 
 
-def read_tile(obj, depsgraph):
-    """A TileArrays of an object whose `mesoshell_tile` says which box of its local space is the period.
-
-    A tile's shape is what is seen: an object scaled unevenly gives a tile of those proportions. Rotation, location, even
-    scale and mirroring do not matter. Raises ValueError, in a sentence that names the object.
-    """
-    settings = obj.mesoshell_tile
-    if not settings.is_tile:
-        raise ValueError(f'"{obj.name}" is not a tile yet: tick Tile and set its period and height in the sidebar')
-    evaluated = _evaluated(obj, depsgraph, "Tile")
-    box = np.array([settings.period_u, settings.period_v, settings.height], np.float64)
-    for size, label in zip(box, ("period U", "period V", "height")):
-        if not size > 0.0:
-            raise ValueError(f'Tile "{obj.name}" has a {label} of {size:g}: set it to more than zero')
-    scale = np.linalg.norm(np.array(evaluated.matrix_world, np.float64)[:3, :3], axis=0)
-    if not np.all(np.isfinite(scale)) or not np.all(scale > 0.0):
-        raise ValueError(f'Tile "{obj.name}" has a scale of zero: scale it up or apply its scale')
-    width = box[0] * scale[0]
-    with _temporary_mesh(evaluated) as mesh:
-        positions = _positions(mesh).astype(np.float64)
-        triangles = _triangles(mesh)[0]
-    _check_finite(positions, f'Tile "{obj.name}"')
-    if len(triangles) == 0:
-        raise ValueError(f'Tile "{obj.name}" has no faces: model the tile\'s geometry, or pick another object')
-    return TileArrays(positions * (scale / width), triangles, box[2] * scale[2] / width, box[1] * scale[1] / width)
-
-
 def read_surface(obj, depsgraph, *, tiles=(1.0, 1.0), triangulate=False, polygons=False):
     """A SurfaceArrays of a mesh object, in its own space; UVs (the layer active for render) times `tiles`.
 
     Faces with more than four corners come as Blender's triangles, unless `polygons` allows them; `triangulate` makes
     triangles of all. Raises ValueError, in a sentence that names the object.
     """
-    evaluated = _evaluated(obj, depsgraph, "Surface")
+    evaluated = _evaluated(obj, depsgraph)
     with _temporary_mesh(evaluated) as mesh:
         face_count, corner_count = len(mesh.polygons), len(mesh.loops)
         if face_count == 0:
@@ -77,7 +44,7 @@ def read_surface(obj, depsgraph, *, tiles=(1.0, 1.0), triangulate=False, polygon
         if np.any(to_split & (face_sizes > 3)):
             face_sizes, kept = _split(mesh, face_sizes, to_split)
             corners, uvs = corners[kept], uvs[kept]
-    _check_finite(positions, f'"{obj.name}"')
+    check_finite(positions, f'"{obj.name}"')
     if not np.all(np.isfinite(uvs)):
         raise ValueError(f'"{obj.name}" has UVs that are not finite numbers: unwrap it again')
     uvs = np.ascontiguousarray(uvs * np.asarray(tiles, np.float32), np.float32)
@@ -104,11 +71,11 @@ def mean_unit_length(surface, name):
     return float(np.average(np.linalg.norm(along_u, axis=1), weights=area[usable]))
 
 
-def _evaluated(obj, depsgraph, role):
+def _evaluated(obj, depsgraph):
     evaluated = obj.evaluated_get(depsgraph)
     # An object that is not part of the depsgraph is read as it is; with modifiers that would be the wrong shape.
     if not evaluated.is_evaluated and len(obj.modifiers) > 0:
-        raise ValueError(f'{role} "{obj.name}" is disabled in viewports or in an excluded collection, so that its '
+        raise ValueError(f'Surface "{obj.name}" is disabled in viewports or in an excluded collection, so that its '
                          "modifiers are not evaluated: enable it (hiding it with H is fine), or apply them")
     return evaluated
 
@@ -149,10 +116,3 @@ def _split(mesh, face_sizes, to_split):
     split = corners[to_split[faces]]
     sizes = np.concatenate([face_sizes[~to_split], np.full(len(split), 3, np.int32)])
     return sizes.astype(np.int32), np.concatenate([whole, split.ravel()])
-
-
-def _check_finite(positions, who):
-    bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
-    if len(bad):
-        raise ValueError(f"{who} has {len(bad)} vertices that are not finite numbers (the first is vertex {bad[0]}): "
-                         "delete them, or correct what moved them there")

@@ -1,8 +1,8 @@
-"""What a .blend file keeps of Mesoshell: which objects are tiles, which have a shell, and how a scene bakes."""
+"""What a .blend file keeps of Mesoshell: which objects are tiles, and which have a shell."""
 
 import bpy
-from bpy.props import (BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, IntVectorProperty,
-                       PointerProperty, StringProperty)
+from bpy.props import (BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty,
+                       StringProperty)
 
 from . import versions
 
@@ -15,11 +15,6 @@ TRAVERSALS = (
     ("gdm", "GDM", "One lookup of the generalized displacement map a prism"),
     ("sdf", "SDF", "Sphere tracing of the tile's signed distance field"),
 )
-PRECISIONS = (
-    ("half", "Half", "16-bit floats in the file"),
-    ("float", "Float", "32-bit floats in the file"),
-)
-
 
 def tag_redraw(_self=None, _context=None):
     """Draws every 3D view again; also an update callback. What is drawn compares settings and finds the change itself."""
@@ -64,28 +59,7 @@ class MesoshellShell(bpy.types.PropertyGroup):
                                     default=(0.55, 0.56, 0.58), min=0.0, max=1.0, update=tag_redraw)
 
 
-def _is_mesh(_self, obj):
-    return obj.type == 'MESH'
-
-
-class MesoshellBake(bpy.types.PropertyGroup):
-    """How a scene bakes; the operator's defaults."""
-
-    tile: PointerProperty(name="Tile", description="The object to bake", type=bpy.types.Object, poll=_is_mesh)
-    resolution: IntVectorProperty(name="Nodes", description="Nodes of the GDM along u, v and w", size=3,
-                                  default=(64, 64, 32), min=2, max=1024)
-    directions: IntVectorProperty(name="Directions", description="Directions along theta and phi", size=2,
-                                  default=(16, 32), min=2, max=256)
-    sdf_resolution: IntVectorProperty(name="SDF nodes", description="Nodes of the signed distance field", size=3,
-                                      default=(64, 64, 33), min=2, max=1024)
-    terms: IntProperty(name="Terms", description="Terms of the singular value decomposition to keep", default=16,
-                       min=1, max=1024)
-    precision: EnumProperty(name="Precision", items=PRECISIONS, default="half")
-    output_path: StringProperty(name="Map", description="Where the bake is saved", subtype='FILE_PATH',
-                                options=versions.PATH_OPTIONS, default="//tile.gdm.exr")
-
-
-CLASSES = (MesoshellTile, MesoshellShell, MesoshellBake)
+CLASSES = (MesoshellTile, MesoshellShell)
 
 
 def register():
@@ -93,11 +67,9 @@ def register():
         bpy.utils.register_class(cls)
     bpy.types.Object.mesoshell_tile = PointerProperty(type=MesoshellTile)
     bpy.types.Object.mesoshell = PointerProperty(type=MesoshellShell)
-    bpy.types.Scene.mesoshell = PointerProperty(type=MesoshellBake)
 
 
 def unregister():
-    del bpy.types.Scene.mesoshell
     del bpy.types.Object.mesoshell
     del bpy.types.Object.mesoshell_tile
     for cls in reversed(CLASSES):

@@ -27,6 +27,24 @@ def uv_array(layer, corner_count):
     return uvs.reshape(-1, 2)
 
 
+def corner_normals(mesh):
+    """Normals of a mesh's corners as it is shaded, float32 [corners, 3]; invalidates its triangulation."""
+    normals = np.empty(len(mesh.loops) * 3, np.float32)
+    if hasattr(mesh, "corner_normals"):  # since 4.1, computed on demand
+        mesh.corner_normals.foreach_get("vector", normals)
+    else:
+        mesh.calc_normals_split()
+        mesh.loops.foreach_get("normal", normals)
+    return normals.reshape(-1, 3)
+
+
+def material_nodes(material):
+    """A material's node tree, or None where it is a plain color; since 5.0 every material has one."""
+    if bpy.app.version < (5, 0, 0) and not material.use_nodes:
+        return None
+    return material.node_tree
+
+
 def light_exposure(light):
     """The factor of a light's exposure, which 4.5 and later have."""
     return 2.0 ** getattr(light, "exposure", 0.0)

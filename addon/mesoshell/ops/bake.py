@@ -4,32 +4,28 @@ From a script it runs to its end; invoked from the interface it runs in the back
 """
 
 import bpy
-from bpy.props import EnumProperty, IntProperty, IntVectorProperty, StringProperty
+from bpy.props import IntProperty, StringProperty
 
 from ..core import native
 from ..core.bake_tile import BakeRequest, bake_tile, check_folder
-from ..host import bake_state, meshes, paths, properties, versions
+from ..host import bake_options, bake_state, chosen_source, paths, properties, versions
 from . import sentences
 
 POLL_SECONDS = 0.1
 
 
-class MESOSHELL_OT_bake(bpy.types.Operator):
+class MESOSHELL_OT_bake(bake_options.BakeOptions, bpy.types.Operator):
     """Bake the tile into a map file; what is not given is taken from the scene's settings"""
 
     bl_idname = "mesoshell.bake"
     bl_label = "Bake Tile"
     bl_options = {'REGISTER'}
 
-    # SKIP_SAVE: a button must not repeat what the last script asked for.
     tile: StringProperty(name="Tile", description="Name of the tile object", options={'SKIP_SAVE'})
+    collection: StringProperty(name="Collection", description="Name of the collection that is the tile",
+                               options={'SKIP_SAVE'})
+    box: StringProperty(name="Box", description="Name of the empty that shows the tile's period", options={'SKIP_SAVE'})
     filepath: StringProperty(name="Map", subtype='FILE_PATH', options={'SKIP_SAVE'} | versions.PATH_OPTIONS)
-    resolution: IntVectorProperty(name="Nodes", size=3, default=(64, 64, 32), min=2, max=1024, options={'SKIP_SAVE'})
-    directions: IntVectorProperty(name="Directions", size=2, default=(16, 32), min=2, max=256, options={'SKIP_SAVE'})
-    sdf_resolution: IntVectorProperty(name="SDF nodes", size=3, default=(64, 64, 33), min=2, max=1024,
-                                      options={'SKIP_SAVE'})
-    terms: IntProperty(name="Terms", default=16, min=1, max=1024, options={'SKIP_SAVE'})
-    precision: EnumProperty(name="Precision", items=properties.PRECISIONS, default="half", options={'SKIP_SAVE'})
     threads: IntProperty(name="Threads", description="0 means all cores", default=0, min=0, options={'SKIP_SAVE'})
 
     @classmethod
@@ -64,7 +60,7 @@ class MESOSHELL_OT_bake(bpy.types.Operator):
         except sentences.expected() as error:
             return self._fail(error)
         self._request_made = request
-        self._job = bake_state.start(lambda progress: bake_tile(request, progress), f"Baking {request.name}")
+        self._job = bake_state.start(lambda progress: bake_tile(request, progress), f"Baking {request.surface.name}")
         self._timer = context.window_manager.event_timer_add(POLL_SECONDS, window=context.window)
         context.window_manager.modal_handler_add(self)
         self._show(context)
@@ -86,7 +82,7 @@ class MESOSHELL_OT_bake(bpy.types.Operator):
         if self._job.error is None:
             return self._succeed(self._job.result, self._request_made)
         if self._job.cancelled and isinstance(self._job.error, native.module().Cancelled):
-            bake_state.finish(f'The bake of "{self._request_made.name}" was cancelled', False)
+            bake_state.finish(f'The bake of "{self._request_made.surface.name}" was cancelled', False)
             self.report({'WARNING'}, bake_state.report)
             return {'CANCELLED'}
         if isinstance(self._job.error, sentences.expected()):
@@ -98,7 +94,7 @@ class MESOSHELL_OT_bake(bpy.types.Operator):
         """Blender ends, or closes the window: the thread ends too, before anything is saved."""
         self._job.cancel()
         if bake_state.job is self._job:
-            bake_state.finish(f'The bake of "{self._request_made.name}" was cancelled', False)
+            bake_state.finish(f'The bake of "{self._request_made.surface.name}" was cancelled', False)
         self._clean_up(context)
 
     def _request(self, context):
@@ -110,34 +106,35 @@ class MESOSHELL_OT_bake(bpy.types.Operator):
             given = self.properties.is_property_set(name)
             return getattr(self if given else settings, name)
 
-        tile = self._tile(context, settings)
         path = paths.absolute(self.filepath or settings.output_path)
         check_folder(path)
-        arrays = meshes.read_tile(tile, context.evaluated_depsgraph_get())
+        surface = chosen_source.read(self._choice(context, value("source")), context.evaluated_depsgraph_get())
         return BakeRequest(
-            name=tile.name, path=path, positions=arrays.positions, triangles=arrays.triangles, height=arrays.height,
-            aspect=arrays.aspect, resolution=tuple(value("resolution")), directions=tuple(value("directions")),
+            surface=surface, path=path, resolution=tuple(value("resolution")), directions=tuple(value("directions")),
             sdf_resolution=tuple(value("sdf_resolution")), terms=value("terms"), precision=value("precision"),
             threads=self.threads)
 
-    def _tile(self, context, settings):
+    def _choice(self, context, source):
+        """What the call names; what it does not name, the scene does."""
+        settings, objects = context.scene.mesoshell, context.scene.objects
+        here = f'object in the scene "{context.scene.name}"'
+        tile, collection, box = settings.tile, settings.tile_collection, settings.box
+        if self.collection:
+            source, collection = 'COLLECTION', chosen_source.named(bpy.data.collections, self.collection, "collection")
         if self.tile:
-            tile = context.scene.objects.get(self.tile)
-            if tile is None:
-                raise ValueError(f'There is no object "{self.tile}" in the scene "{context.scene.name}": '
-                                 "give the name of a tile object")
-            return tile
-        if settings.tile is None:
-            raise ValueError("No tile is chosen: pick the tile object in the sidebar, or give its name")
-        return settings.tile
+            source, tile = 'OBJECT', chosen_source.named(objects, self.tile, here)
+            if tile.mesoshell_tile.is_tile:  # its own period, and not that of whatever the scene's box was put around
+                box = None
+        if self.box:
+            box = chosen_source.named(objects, self.box, here)
+        return chosen_source.choose(context, source=source, tile=tile, collection=collection, box=box)
 
     def _succeed(self, result, request):
         seconds = sum(result.seconds.values())
-        clipped = ""
-        if result.clipped_triangles:
-            clipped = f"; {result.clipped_triangles} triangles reach out of the tile's height and were clipped"
-        bake_state.finish(f'Baked "{request.name}" to {result.path} in {seconds:.1f} s: {result.terms} terms, '
-                          f"RMSE {result.rmse:.3g} tile widths" + clipped, False)
+        bake_state.finish(f'Baked "{request.surface.name}" to {result.path} in {seconds:.1f} s: {result.terms} terms, '
+                          f"RMSE {result.rmse:.3g} tile widths", False, result.notices)
+        for notice in result.notices:
+            self.report({'WARNING'}, notice)
         self.report({'INFO'}, bake_state.report)
         properties.tag_redraw()
         return {'FINISHED'}

@@ -8,6 +8,7 @@
 
 #include "mesoshell/job.h"
 #include "mesoshell/sample.h"
+#include "mesoshell/uninitialized.h"
 
 namespace mesoshell {
 
@@ -16,6 +17,11 @@ constexpr float horizon_distance = 16.0f;
 
 // theta nodes times w nodes, at most: compression solves an eigenproblem of that size, in one step that cannot be cancelled.
 constexpr int most_columns = 4096;
+
+// How a GDM is baked. `embree` casts rays in packets. `slices` rasterizes the triangles onto the rays of a direction, which is
+// faster for tiles up to some hundred thousand triangles; directions within a hundredth of a degree of the horizon are cast even
+// then. Both agree but for rays that pass an edge within rounding.
+enum class Engine { automatic, embree, slices };
 
 // nodes (nx, ny, nz), node i at i / n along u and v and at i / (n - 1) along w.
 struct GdmResolution {
@@ -32,8 +38,8 @@ struct Gdm {
     float height = 0.0f;
     float aspect = 1.0f;
     // [nphi, ny, nx, ntheta, nz], tile widths: to the first surface; 0 inside; to the end of the slab where there is none.
-    std::vector<float> values;
-    std::uint64_t ray_count = 0;  // rays cast: nodes outside the solid times directions into the slab
+    UninitializedVector<float> values;
+    std::uint64_t ray_count = 0;  // rays answered: nodes outside the solid times directions into the slab
 
     std::size_t index(int phi, int y, int x, int theta, int z) const
     {
@@ -50,7 +56,12 @@ struct Sdf {
 };
 
 // Throws InvalidArgument for a resolution out of range or one that needs more memory than there is; Cancelled.
-Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Job& job);
+Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Engine engine, Job& job);
+
+inline Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Job& job)
+{
+    return bake_gdm(sample, resolution, Engine::automatic, job);
+}
 
 // nodes: each at least 2.
 Sdf bake_sdf(const Sample& sample, const glm::ivec3& nodes, Job& job);

@@ -20,6 +20,7 @@ map_file, folder, result = sys.argv[sys.argv.index("--") + 1:]
 session.module_name = session.enable(os.environ["MESOSHELL_TEST_PACKAGE"])
 bake_state, jobs, shells = (session.part(name) for name in ("host.bake_state", "core.jobs", "host.shells"))
 bpy.context.preferences.view.show_splash = False
+CLASSES = [*session.part("ui.bake_panel").CLASSES, *session.part("ui.shell_panel").CLASSES]
 drawn, errors = [], []
 state = "start"
 
@@ -44,13 +45,13 @@ def show(name):
     area = next(area for area in window.screen.areas if area.type == 'VIEW_3D')
     region = next(region for region in area.regions if region.type == 'WINDOW')
     with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
-        for cls in session.part("ui.panel").CLASSES:
+        for cls in CLASSES:
             bpy.ops.wm.call_panel('INVOKE_DEFAULT', name=cls.__name__, keep_open=True)
             bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=1)
 
 
 def states():
-    for cls in session.part("ui.panel").CLASSES:
+    for cls in CLASSES:
         watch(cls)
     settings, view_layer = bpy.context.scene.mesoshell, bpy.context.view_layer
     view_layer.objects.active = None

@@ -1,0 +1,59 @@
+"""Pixels of Blender's images, by foreach_get; row 0 is the bottom one, as v = 0 is."""
+
+import numpy as np
+
+# A base color needs no more than the 3D texture it ends in shows; beyond this, whole blocks of pixels are averaged.
+MOST_COLOR_PIXELS = 2048  # a side
+
+_ENCODED = {"sRGB", "sRGB OETF", "sRGB - Texture", "Utility - sRGB - Texture", "sRGB Encoded Rec.709 (sRGB)"}
+_NUMBERS = {"Non-Color", "Raw", "Linear", "Linear Rec.709", "Generic Data", "Utility - Raw"}
+
+
+def is_empty(image):
+    """Whether an image has no pixels: its file is missing, or it was never rendered."""
+    return image.size[0] == 0 or image.size[1] == 0 or image.channels == 0
+
+
+def linear_pixels(image):
+    """Linear RGB float32 [h, w, 3] of an image that is not empty, at most MOST_COLOR_PIXELS a side."""
+    pixels = _pixels(image)[..., :3]
+    # Blender hands out the numbers of 8-bit images as they are in the file, and linear ones of all others.
+    if not image.is_float and image.colorspace_settings.name in _ENCODED:
+        low = pixels <= 0.04045
+        pixels = np.where(low, pixels / 12.92, ((np.maximum(pixels, 0.04045) + 0.055) / 1.055) ** 2.4)
+    return np.ascontiguousarray(_smaller(pixels, MOST_COLOR_PIXELS), np.float32)
+
+
+def heights(image, notices):
+    """Heights float32 [h, w] of a height-field image: the mean of its colors, as numbers.
+
+    Raises ValueError for an image without pixels; `notices` gets a sentence where Blender has bent the numbers.
+    """
+    if is_empty(image):
+        raise ValueError(f'The image "{image.name}" has no pixels: reload it (Image > Reload), or pick another one')
+    pixels = _pixels(image)
+    if image.is_float and image.file_format not in {'OPEN_EXR', 'OPEN_EXR_MULTILAYER', 'HDR'} and (
+            image.source == 'FILE' and image.colorspace_settings.name not in _NUMBERS):
+        notices.append(f'The image "{image.name}" is read through the color space {image.colorspace_settings.name}, '
+                       "which bends heights: set it to Non-Color")
+    return np.ascontiguousarray(pixels[..., :min(3, pixels.shape[2])].mean(axis=2), np.float32)
+
+
+def _pixels(image):
+    """float32 [h, w, channels]; gray ones have three equal channels."""
+    width, height = image.size
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    pixels = pixels.reshape(height, width, image.channels)
+    return np.repeat(pixels[..., :1], 3, axis=2) if image.channels < 3 else pixels
+
+
+def _smaller(pixels, most):
+    factor = -(-max(pixels.shape[:2]) // most)
+    if factor == 1:
+        return pixels
+    height, width = (max(1, side // factor) for side in pixels.shape[:2])
+    cut = pixels[:height * factor, :width * factor]
+    if cut.shape[0] < height * factor or cut.shape[1] < width * factor:  # an image thinner than one block
+        return pixels[::factor, ::factor]
+    return cut.reshape(height, factor, width, factor, -1).mean(axis=(1, 3))

@@ -1,0 +1,65 @@
+"""Walks what a depsgraph shows of some objects: their own meshes and all that they instance.
+
+Curves, text, surfaces and metaballs come as the meshes that Blender makes of them; Geometry Nodes, particles and collection
+instances as one visit for each copy.
+"""
+
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+
+# What evaluates to a mesh, or shows copies of what does.
+SOURCE_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META', 'CURVES', 'POINTCLOUD', 'EMPTY'}
+_MESH_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META'}
+
+
+def visit(depsgraph, objects, see):
+    """Calls `see(obj, matrix_world)` for each mesh that `objects` (originals) show, evaluated.
+
+    `obj` lives as long as the call. An object that is asked for alone counts even if it is hidden; among several, one
+    that is drawn as wires or bounds (a cutter, say) does not. Returns how many such were left out.
+    """
+    wanted = set(objects)
+    seen, converted, left_out = set(), [], 0
+    for instance in depsgraph.object_instances:
+        obj = instance.object
+        owner = instance.parent if instance.is_instance else obj
+        if owner is None or owner.original not in wanted or not instance.show_self or obj.type not in _MESH_TYPES:
+            continue
+        if len(wanted) > 1 and obj.display_type in {'WIRE', 'BOUNDS'}:
+            left_out += 1
+            continue
+        matrix = np.array(instance.matrix_world, np.float64)
+        if not isinstance(obj.data, bpy.types.Mesh):
+            # A curve is there twice: as it is edited, and as an instance of the mesh that it becomes.
+            converted.append(owner.original)
+            continue
+        seen.add(owner.original)
+        see(obj, matrix)
+    missing = [owner for owner in converted if owner not in seen]
+    if len(wanted) == 1 and not seen:
+        missing = list(wanted)
+    for owner in missing:
+        evaluated = owner.evaluated_get(depsgraph)
+        if evaluated.type in _MESH_TYPES:
+            see(evaluated, np.array(evaluated.matrix_world, np.float64))
+    return left_out
+
+
+@contextmanager
+def mesh_of(obj):
+    """The mesh of an evaluated object for as long as the block runs, or None."""
+    try:
+        mesh = obj.to_mesh()
+    except RuntimeError:
+        mesh = None
+    try:
+        yield mesh
+    finally:
+        obj.to_mesh_clear()
+
+
+def is_evaluated(obj, depsgraph):
+    """Whether the depsgraph knows an object; what is disabled in viewports or in an excluded collection it does not."""
+    return obj.evaluated_get(depsgraph).is_evaluated

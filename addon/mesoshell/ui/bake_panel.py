@@ -1,0 +1,81 @@
+"""The sidebar's panel of the bake: what the tile is, its box, how fine the map is."""
+
+import bpy
+
+from ..host import bake_state, versions
+from .parts import SidebarPanel, draw_sentence, split_layout
+
+
+class MESOSHELL_PT_bake(SidebarPanel, bpy.types.Panel):
+    bl_label = "Bake"
+
+    def draw(self, context):
+        layout = split_layout(self)
+        settings = context.scene.mesoshell
+        _draw_source(layout, context, settings)
+        row = layout.row(align=True)
+        row.use_property_split = False
+        row.prop(settings, "preset", expand=True)
+        layout.prop(settings, "output_path")
+        if bake_state.running():
+            versions.draw_progress(layout, f"{bake_state.title}: {bake_state.fraction():.0%}", bake_state.fraction(),
+                                   context.window_manager, "mesoshell_bake_fraction")
+            layout.operator("mesoshell.cancel_bake", text="Cancel (Esc)", icon='CANCEL')
+            return
+        layout.operator_context = 'INVOKE_DEFAULT'
+        layout.operator("mesoshell.bake", text="Bake", icon='RENDER_STILL')
+        draw_sentence(layout, context, bake_state.report, 'ERROR' if bake_state.failed else 'INFO')
+        for notice in bake_state.notices:
+            draw_sentence(layout, context, notice, 'DOT')
+
+
+class MESOSHELL_PT_bake_quality(SidebarPanel, bpy.types.Panel):
+    bl_label = "Quality"
+    bl_parent_id = "MESOSHELL_PT_bake"
+    bl_options = {'DEFAULT_CLOSED'}
+
+    def draw(self, context):
+        layout = split_layout(self)
+        settings = context.scene.mesoshell
+        for name in ("resolution", "directions", "sdf_resolution", "terms", "precision"):
+            layout.prop(settings, name)
+
+
+def _draw_source(layout, context, settings):
+    layout.prop(settings, "source")
+    if settings.source == 'OBJECT':
+        layout.prop(settings, "tile")
+    elif settings.source == 'COLLECTION':
+        layout.prop(settings, "tile_collection")
+    else:
+        layout.label(text=f"{len(context.selected_objects)} objects are selected")
+    _draw_box(layout, settings)
+
+
+def _draw_box(layout, settings):
+    column = layout.column(align=True)
+    column.prop(settings, "box")
+    if settings.box is not None:
+        column.operator("mesoshell.snap_tile_box", icon='SNAP_ON')
+        return
+    column.operator("mesoshell.add_tile_box", icon='CUBE')
+    if settings.source == 'OBJECT' and settings.tile is not None:
+        tile = settings.tile.mesoshell_tile
+        column = layout.column(align=True)
+        column.prop(tile, "is_tile", text="Or the object's own period")
+        if tile.is_tile:
+            for name in ("period_u", "period_v", "height"):
+                column.prop(tile, name)
+
+
+CLASSES = (MESOSHELL_PT_bake, MESOSHELL_PT_bake_quality)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
