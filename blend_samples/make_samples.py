@@ -1,190 +1,39 @@
-"""Makes chain_torus.blend: a tile of chain mail, a torus to wear it, a cube that stands in it, a light and a camera.
+"""Makes the sample scenes: chain_torus.blend and tiles.blend.
 
     blender --background --factory-startup --python blend_samples/make_samples.py -- [--out DIR] [--detail N]
 
-Everything is built from numbers; nothing is downloaded. Blender 3.4 to 5.2. Save the committed file with 3.4: later
-versions open it, and carry the tile's settings over (see set_tile_settings).
+Everything is built from numbers; nothing is downloaded. Blender 3.4 to 5.2. Save the committed files with 3.4: later
+versions open them, and carry the tiles' settings over (see scene_parts.set_tile_settings).
 """
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
-import bmesh
 import bpy
-import numpy as np
-from mathutils import Euler, Vector
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))  # Blender runs a script without its folder on the path
-from tiles import chain  # noqa: E402
+import chain_torus_scene  # noqa: E402
+import tiles_scene  # noqa: E402
+from scene_parts import save  # noqa: E402
 
-TORUS_MAJOR, TORUS_MINOR = 1.0, 0.42  # scene units (meters)
-TORUS_QUADS = (48, 20)  # around the axis and around the tube
-TILES = (20, 10)  # whole numbers, so the mail closes; atop the tube, halfway up the shell, a tile is 0.314 square
-THICKNESS = 0.157  # of the shell: chain.HEIGHT such tile widths, so the rings stay round there
-CUBE_SIZE = 0.5
-
-
-def torus_uvs(segments, sides):
-    """UVs of chain.torus by face corner: float64 [segments * sides * 4, 2], 0 to 1 around the axis and the tube.
-
-    A face at the seam ends at 1, not at 0: no face runs backwards through the whole texture.
-    """
-    i, j = np.meshgrid(np.arange(segments), np.arange(sides), indexing="ij")
-    u = np.stack([i, i + 1, i + 1, i], axis=-1) / segments
-    v = np.stack([j, j, j + 1, j + 1], axis=-1) / sides
-    return np.stack([u, v], axis=-1).reshape(-1, 2)
-
-
-def add_object(name, data, location=(0.0, 0.0, 0.0), rotation=(0.0, 0.0, 0.0)):
-    """A new object in the scene, at `location`, turned by the Euler angles `rotation` in radians."""
-    obj = bpy.data.objects.new(name, data)
-    obj.location, obj.rotation_euler = location, rotation
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
-
-
-def mesh_from_arrays(name, positions, faces, material, smooth=True):
-    """A mesh from positions [n, 3] and faces [m, 3 or 4], with one material."""
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(positions.tolist(), [], faces.tolist())
-    mesh.polygons.foreach_set("use_smooth", np.full(len(faces), smooth))
-    mesh.materials.append(material)
-    mesh.update()
-    return mesh
-
-
-def use_nodes(owner):
-    """The node tree of a material or a world, made first where the version does not make it by itself (before 5.0)."""
-    if owner.node_tree is None:
-        owner.use_nodes = True
-    return owner.node_tree.nodes
-
-
-def make_material(name, color, metallic, roughness):
-    """A principled material, its color also used where the viewport draws without materials."""
-    material = bpy.data.materials.new(name)
-    shader = next(node for node in use_nodes(material) if node.type == "BSDF_PRINCIPLED")
-    shader.inputs["Base Color"].default_value = (*color, 1.0)
-    shader.inputs["Metallic"].default_value = metallic
-    shader.inputs["Roughness"].default_value = roughness
-    material.diffuse_color, material.metallic, material.roughness = (*color, 1.0), metallic, roughness
-    return material
-
-
-def set_tile_settings(obj, period, height):
-    """Marks `obj` as a tile, in its own units, so that a file made without the add-on is understood by it.
-
-    Object.mesoshell_tile is a PropertyGroup of the add-on, which need not be there. Up to Blender 4.x a group lives among
-    the object's ID properties under its own name, so a plain ID property of that name becomes the group's values as soon
-    as the add-on registers it. From 5.0 on the two are kept apart: values of a group lie in the system properties.
-    Blender copies them there when it opens a file of an earlier version; in a session of 5.x they must be written there.
-    The two plain properties are what any version and any script can read.
-    """
-    settings = {"period_u": period[0], "period_v": period[1], "height": height, "is_tile": True}
-    obj["mesoshell_tile"] = settings
-    if hasattr(obj, "bl_system_properties_get"):
-        obj.bl_system_properties_get(do_create=True)["mesoshell_tile"] = settings
-    obj["mesoshell_period"] = tuple(period)
-    obj["mesoshell_height"] = height
-
-
-def add_chain_tile(detail):
-    """The tile, beside the torus and out of the picture; 1 unit wide, so its lengths are tile widths."""
-    steel = make_material("Steel", (0.55, 0.56, 0.58), 1.0, 0.35)
-    positions, triangles = chain.chain_links(detail)
-    obj = add_object("ChainTile", mesh_from_arrays("ChainTile", positions, triangles, steel), (2.4, 0.4, -0.6))
-    obj.hide_render = True
-    set_tile_settings(obj, chain.PERIOD, chain.HEIGHT)
-
-
-def add_torus():
-    """The surface that wears the mail; how many tiles suit it and how thick a shell are stored on it as a suggestion."""
-    leather = make_material("Leather", (0.10, 0.065, 0.045), 0.0, 0.7)
-    positions, quads = chain.torus(TORUS_MAJOR, TORUS_MINOR, *TORUS_QUADS)
-    mesh = mesh_from_arrays("Torus", positions, quads, leather)
-    mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", torus_uvs(*TORUS_QUADS).ravel())
-    obj = add_object("Torus", mesh)
-    obj["mesoshell_tiles"] = TILES
-    obj["mesoshell_thickness"] = THICKNESS
-    bpy.context.view_layer.objects.active = obj
-    obj.select_set(True)
-
-
-def add_cube():
-    """An ordinary cube, half sunk into the mail: it hides some of it and is partly hidden by it."""
-    mesh = bpy.data.meshes.new("Cube")
-    cube = bmesh.new()
-    bmesh.ops.create_cube(cube, size=CUBE_SIZE)
-    cube.to_mesh(mesh)
-    cube.free()
-    mesh.materials.append(make_material("Clay", (0.72, 0.20, 0.06), 0.0, 0.6))
-
-    around, tube = np.radians(-52.0), np.radians(86.0)
-    middle = TORUS_MINOR + THICKNESS / 2
-    distance = TORUS_MAJOR + middle * np.cos(tube)
-    location = (distance * np.cos(around), distance * np.sin(around), middle * np.sin(tube))
-    add_object("Cube", mesh, location, (0.0, 0.0, np.radians(38.0)))
-
-
-def add_light_and_camera():
-    """A sun from above on the left, and a camera that sees the torus, shell included, fill a square picture."""
-    sun = bpy.data.lights.new("Sun", "SUN")
-    sun.energy, sun.angle = 3.5, np.radians(1.0)
-    add_object("Sun", sun, (-3.0, -2.0, 4.0), Euler(np.radians((38.0, -28.0, 0.0))))
-
-    camera = bpy.data.cameras.new("Camera")
-    camera.lens, camera.sensor_width = 50.0, 36.0
-    toward = Vector((0.25, -0.72, 0.78)).normalized()  # from the torus to the camera
-    location = toward * 5.0 + Vector((0.02, 0.0, -0.05))
-    obj = add_object("Camera", camera, location, toward.to_track_quat("Z", "Y").to_euler())
-    bpy.context.scene.camera = obj
-
-
-def set_scene():
-    """The picture: 512 x 512, Standard view transform, a dark gray world; the 3D views look through the camera."""
-    scene = bpy.context.scene
-    scene.name = "Chain torus"
-    scene.render.resolution_x = scene.render.resolution_y = 512
-    scene.render.resolution_percentage = 100
-    scene.render.filepath = "//"  # beside the file, wherever that is
-    scene.view_settings.view_transform = "Standard"
-    scene.frame_start = scene.frame_end = 1
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.color = (0.05, 0.05, 0.05)
-    background = next(node for node in use_nodes(scene.world) if node.type == "BACKGROUND")
-    background.inputs["Color"].default_value = (0.05, 0.05, 0.05, 1.0)
-    for space in (space for screen in bpy.data.screens for area in screen.areas for space in area.spaces):
-        if space.type == "VIEW_3D":
-            space.region_3d.view_perspective = "CAMERA"
-        elif space.type == "FILE_BROWSER" and space.params:
-            space.params.directory = b"//"  # else the file would carry the home folder of whoever made it
-
-
-def save(path):
-    """Saves compressed, whole or not at all, without a backup beside it and without this machine's folders inside."""
-    partial = path.with_suffix(".part.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=str(partial), compress=True, copy=True)
-    os.replace(partial, path)
+SCENES = {"chain_torus.blend": chain_torus_scene, "tiles.blend": tiles_scene}
 
 
 def main(arguments):
-    parser = argparse.ArgumentParser(prog="make_samples.py", description="Makes chain_torus.blend.")
+    parser = argparse.ArgumentParser(prog="make_samples.py", description=f"Makes {' and '.join(SCENES)}.")
     parser.add_argument("--out", type=Path, default=HERE, help="the folder to write to; by default, the script's own")
-    parser.add_argument("--detail", type=int, default=64, help="segments around a ring of the mail (64: 10240 triangles)")
+    parser.add_argument("--detail", type=float, default=1.0,
+                        help="fineness; a tile's triangles, about 10 000 at 1, grow with its square")
     options = parser.parse_args(arguments)
     options.out.mkdir(parents=True, exist_ok=True)
 
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    set_scene()
-    add_chain_tile(options.detail)
-    add_torus()
-    add_cube()
-    add_light_and_camera()
-    save(options.out.resolve() / "chain_torus.blend")
-    print(f"chain_torus.blend: {sum(len(mesh.polygons) for mesh in bpy.data.meshes)} faces")
+    for name, scene in SCENES.items():
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        scene.build(options.detail)
+        save(options.out.resolve() / name)
+        print(f"{name}: {sum(len(mesh.polygons) for mesh in bpy.data.meshes)} faces")
 
 
 if __name__ == "__main__":

@@ -15,13 +15,13 @@ from .tile import chance, make_tile, mix, noise, scaled, sheet
 HEIGHT = 0.29
 CELLS = (4, 2)  # plates across and along
 STRETCH = 0.42  # of lengths along the trunk, where plates are told apart
-BOTTOM, FLOOR, TOP = 0.012, 0.07, 0.25
+BOTTOM, FLOOR, TOP = 0.012, 0.07, 0.235
 LEDGES = 2.2
 WIDEST, NARROWEST = 0.040, 0.010  # half of a crack's width, at the bottom and at the top of a ledge
 LIP = 0.14  # share of a ledge in which it falls back
 
 WEATHERED, ASH, RUSSET, PITH, LICHEN = (
-    (0.125, 0.088, 0.060), (0.285, 0.235, 0.185), (0.25, 0.085, 0.030), (0.055, 0.020, 0.010), (0.27, 0.31, 0.17))
+    (0.105, 0.070, 0.046), (0.31, 0.255, 0.20), (0.23, 0.080, 0.028), (0.045, 0.017, 0.009), (0.25, 0.29, 0.15))
 
 
 def seeds_near(places):
@@ -70,9 +70,14 @@ class Relief:
         self.furrow = np.abs(noise(places, (13, 3), 38)) + 0.4 * np.abs(noise(places, (23, 6), 39))
         self.grain = noise(places, (24, 5), 35)
         rough = noise(places, (9, 5), 31) + 0.6 * noise(places, (18, 8), 32)
-        edge = np.exp(-np.maximum(self.border, 0.0) / 0.04)
+        edge = np.exp(-np.maximum(self.border, 0.0) / 0.03)
         self.floor = FLOOR + 0.015 * noise(places, (6, 4), 33)
-        self.top = TOP + 0.05 * (self.own - 0.5) + 0.013 * rough - 0.055 * edge - 0.032 * np.exp(-self.furrow / 0.10)
+        # Flakes: layers of the plate's top that have come off in patches, with sharp borders.
+        flake = 2.6 * (noise(places, (7, 4), 40) + 0.35 * noise(places, (15, 11), 41)) + self.own
+        layer = np.floor(flake) + np.clip((flake - np.floor(flake)) / 0.25, 0.0, 1.0)
+        self.top = (TOP + 0.03 * (self.own - 0.5) + 0.020 * (np.clip(layer, -1.0, 2.0) - 0.5) + 0.006 * rough - 0.040 * edge
+                    - 0.034 * np.exp(-self.furrow / 0.10))
+        self.fresh = 1.0 - np.clip(np.abs(flake - np.floor(flake) - 0.12) / 0.14, 0.0, 1.0)
         self.step = 1.7 * self.own + 0.4 * noise(places, (5, 3), 34)
         self.rough = rough
 
@@ -88,13 +93,13 @@ class Relief:
 
     def colors(self, z, places):
         """Linear RGB of surface points: [n, 3]."""
-        old = mix(WEATHERED, ASH, np.clip(0.45 + 0.5 * self.grain + 0.5 * (self.own - 0.5), 0.0, 1.0))
-        old = old * (0.45 + 0.55 * np.clip(self.furrow / 0.16, 0.0, 1.0))[:, None]
-        patch = np.clip(3.0 * (noise(places, (5, 4), 36) + 0.5 * noise(places, (16, 13), 37)) - 1.35, 0.0, 0.7)
+        old = mix(WEATHERED, ASH, np.clip(0.2 + 0.35 * self.rough + 0.5 * self.grain + 0.3 * self.own, 0.0, 1.0))
+        old = old * (0.35 + 0.65 * np.clip(self.furrow / 0.2, 0.0, 1.0))[:, None]
+        patch = np.clip(3.0 * (noise(places, (5, 4), 36) + 0.5 * noise(places, (16, 13), 37)) - 1.7, 0.0, 0.6)
         old = old * (1.0 - patch[:, None]) + np.asarray(LICHEN) * patch[:, None]
         height = (z - FLOOR) / (TOP - FLOOR)
         fresh = mix(PITH, RUSSET, np.clip(1.15 * height + 0.2 * self.grain, 0.0, 1.0))
-        weather = np.clip(1.1 - (self.top - z) / 0.045 + 0.25 * self.grain, 0.0, 1.0)
+        weather = np.clip(1.1 - (self.top - z) / 0.045 + 0.25 * self.grain, 0.0, 1.0) * (1.0 - 0.65 * self.fresh)
         return fresh * (1.0 - weather[:, None]) + old * weather[:, None]
 
 

@@ -16,20 +16,20 @@ ASPECT = 0.75
 HEIGHT = 0.25
 COLUMNS, ROWS = 4, 4  # of scales; an even number of rows, so that the offset repeats
 VARIANTS = 3
-LENGTH, WIDTH = 0.43, 0.262  # of a scale
+LENGTH, WIDTH = 0.43, 0.226  # of a scale; neighbors in a row nearly touch
 RISE = 0.20  # from a scale's root to its free edge
 ARCH = 0.022  # by which its sides hang below its middle
-KEEL = 0.012  # height of the ridge along its middle
+KEEL = 0.016  # height of the ridge along its middle
 THICKNESS = 0.024
 SKIN_BOTTOM, SKIN_TOP = 0.012, 0.052
 
-UMBER, OCHER, HORN, SKIN = (0.055, 0.030, 0.016), (0.27, 0.145, 0.048), (0.62, 0.45, 0.22), (0.05, 0.026, 0.020)
+UMBER, OCHER, HORN, SKIN = (0.040, 0.022, 0.012), (0.30, 0.150, 0.045), (0.66, 0.50, 0.27), (0.05, 0.026, 0.020)
 
 
 def width_at(along):
     """Half the width of a scale at `along` in (0, 1) from root to free edge: rounded at both ends, broadest at 0.42."""
     root = np.sqrt(np.maximum(1.0 - ((0.42 - along) / 0.42) ** 2, 0.0))
-    tip = np.maximum(1.0 - ((along - 0.42) / 0.58) ** 2, 0.0) ** 0.58
+    tip = np.maximum(1.0 - ((along - 0.42) / 0.58) ** 2, 0.0) ** 0.72
     return WIDTH / 2 * np.where(along < 0.42, root, tip)
 
 
@@ -51,14 +51,15 @@ def template(variant, rings, sides):
     # Dark where it grows, paler with age, palest where it wears thin; growth lines across it, fibers along it.
     share = -positions[:, 1] / LENGTH
     sideways = np.abs(positions[:, 0]) / np.maximum(width_at(np.clip(share, 0.02, 0.98)), 1e-3)
-    rim = np.clip(np.maximum((sideways - 0.80) / 0.2, (share - 0.86) / 0.1), 0.0, 1.0)
-    fiber = noise(np.stack([positions[:, 0] / WIDTH + 0.5, 0.15 * share], -1), (14, 14), 40 + variant)
-    age = np.clip((share - 0.30) / 0.55, 0.0, 1.0)
-    colors = mix(UMBER, OCHER, age) * (1.0 + 0.28 * fiber + 0.10 * np.sin(38.0 * share + variant))[:, None]
-    colors = colors * (1.0 - rim[:, None] * 0.85) + np.asarray(HORN) * (rim[:, None] * 0.85)
-    colors = colors * ((0.82, 1.0, 1.16)[variant], (0.80, 1.0, 1.10)[variant], (0.80, 1.0, 1.0)[variant])
-    keel_light = np.exp(-((positions[:, 0] / 0.02) ** 2)) * age
-    return positions, triangles, np.clip(colors * (1.0 + 0.35 * keel_light[:, None]), 0.0, 0.9)
+    rim = np.clip(np.maximum((sideways - 0.78) / 0.22, (share - 0.88) / 0.12), 0.0, 1.0)
+    fiber = noise(np.stack([positions[:, 0] / WIDTH + 0.5, 0.12 * share], -1), (9, 14), 40 + variant)
+    # What the scales above leave to the light begins at 0.45; a dark flame runs down the middle from there.
+    age = np.clip((share - 0.42) / 0.42 + 0.45 * sideways - 0.25, 0.0, 1.0)
+    colors = mix(UMBER, OCHER, age) * (1.0 + 0.45 * fiber + 0.16 * np.sin(46.0 * share + variant))[:, None]
+    colors = colors * (1.0 - 0.8 * rim[:, None]) + np.asarray(HORN) * (0.8 * rim[:, None])
+    colors = colors * ((0.72, 1.0, 1.22)[variant], (0.70, 1.0, 1.12)[variant], (0.72, 1.0, 0.95)[variant])
+    keel_light = np.exp(-((positions[:, 0] / 0.014) ** 2)) * np.clip((share - 0.5) / 0.3, 0.0, 1.0)
+    return positions, triangles, np.clip(colors * (1.0 + 0.8 * keel_light[:, None]), 0.0, 0.85)
 
 
 def placement():
@@ -66,8 +67,8 @@ def placement():
     row, column = (index.ravel() for index in np.meshgrid(np.arange(ROWS), np.arange(COLUMNS), indexing="ij"))
     roots = np.stack([(column + 0.25 + 0.5 * (row % 2)) / COLUMNS, (row + 0.5) * ASPECT / ROWS,
                       np.full(row.shape, 0.5 * (SKIN_BOTTOM + SKIN_TOP))], -1)
-    roots[:, :2] += 0.012 * (np.stack([chance(row, column, 1), chance(row, column, 2)], -1) - 0.5)
-    turns = 0.10 * (chance(row, column, 3) - 0.5)
+    roots[:, :2] += 0.008 * (np.stack([chance(row, column, 1), chance(row, column, 2)], -1) - 0.5)
+    turns = 0.06 * (chance(row, column, 3) - 0.5)
     variants = np.floor(VARIANTS * chance(row, column, 5)).astype(int)
     return roots, turns, 0.96 + 0.06 * chance(row, column, 4), variants
 
@@ -82,7 +83,7 @@ def skin(detail):
 
 def resolution(detail):
     """Rings and sides of a scale."""
-    return scaled(13, detail, 4), scaled(22, detail, 8, 2)
+    return scaled(13, detail, 4), scaled(24, detail, 8, 4)
 
 
 def make(detail=1.0):

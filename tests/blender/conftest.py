@@ -4,6 +4,8 @@ Unmarked tests run in the background and in a window. `window` tests need a wind
 the gpu module: a window, or Blender 5.2 and later in the background.
 """
 
+import subprocess
+from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
@@ -11,6 +13,8 @@ import numpy as np
 import pytest
 import scenes
 import session
+
+SAMPLES = Path(__file__).resolve().parents[2] / "blend_samples"
 
 
 def pytest_configure(config):
@@ -47,6 +51,18 @@ def native(addon):
 def part():
     """part("host.shells"): a module of the add-on."""
     return session.part
+
+
+@pytest.fixture(scope="session")
+def made_samples(tmp_path_factory):
+    """The folder of what make_samples.py, run by this very Blender as its first lines say, makes."""
+    folder = tmp_path_factory.mktemp("samples")
+    subprocess.run(
+        [bpy.app.binary_path, "--background", "--factory-startup", "--python-exit-code", "1",
+         "--python", str(SAMPLES / "make_samples.py"), "--", "--out", str(folder)],
+        check=True, timeout=240)
+    assert sorted(path.name for path in folder.iterdir()) == ["chain_torus.blend", "tiles.blend"]
+    return folder
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """Laws of the committed scene, blend_samples/chain_torus.blend, asked of the file and not of the numbers behind it."""
 
-import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -54,15 +53,8 @@ def committed():
 
 
 @pytest.fixture(scope="module")
-def regenerated(tmp_path_factory):
-    """What make_samples.py, run by this very Blender as its first lines say, makes."""
-    folder = tmp_path_factory.mktemp("samples")
-    subprocess.run(
-        [bpy.app.binary_path, "--background", "--factory-startup", "--python-exit-code", "1",
-         "--python", str(SAMPLES / "make_samples.py"), "--", "--out", str(folder)],
-        check=True, timeout=120)
-    assert [path.name for path in folder.iterdir()] == ["chain_torus.blend"]
-    sample = append_sample(folder / "chain_torus.blend")
+def regenerated(made_samples):
+    sample = append_sample(made_samples / "chain_torus.blend")
     yield sample
     remove_sample(sample)
 

@@ -8,22 +8,15 @@ import numpy as np
 import pytest
 
 import tiles
+from solids import places, solids
 
 DETAILS = (0.33, 1.0, 2.0)
 make = cache(tiles.make)
 
 
-def keys_modulo_periods(tile):
-    """Of each vertex: the number of its place modulo the periods [n], and the periods from there [n, 2]; all exact."""
-    period = np.array([1.0, tile.aspect])
-    shift = np.floor(tile.positions[:, :2] / period)
-    wrapped = np.concatenate([tile.positions[:, :2] - shift * period, tile.positions[:, 2:]], axis=1)
-    return np.unique(wrapped, axis=0, return_inverse=True)[1], shift.astype(int)
-
-
 def directed_edges(tile):
     """Edges as triangles run along them, and the same edges backwards: from, to, periods between; int [3 m, 4]."""
-    place, shift = keys_modulo_periods(tile)
+    place, shift = places(tile)
     start, end = tile.triangles.ravel(), np.roll(tile.triangles, -1, axis=1).ravel()
     span = shift[end] - shift[start]
     return (np.column_stack([place[start], place[end], span]), np.column_stack([place[end], place[start], -span]))
@@ -64,33 +57,14 @@ def test_faces_outward(name):
     assert 0.05 * tile.aspect * tile.height < flux.sum() < 0.9 * tile.aspect * tile.height
 
 
-def components(tile):
-    """Of each triangle the least number of a vertex, in place modulo the periods, that it is connected with: [m]."""
-    place = keys_modulo_periods(tile)[0][tile.triangles]
-    label = np.arange(place.max() + 1)
-    while True:
-        least = label.copy()
-        np.minimum.at(least, place.ravel(), np.repeat(label[place].min(axis=1), 3))
-        least = least[least]
-        if (least == label).all():
-            return label[place[:, 0]]
-        label = least
-
-
 def test_every_solid_faces_outward(name):
-    """A solid that does not cross the borders for ever has a volume of its own, a positive one."""
+    """What does not go on for ever, as yarns and sheets do, has a volume of its own, a positive one."""
     tile = make(name)
-    own, place = components(tile), keys_modulo_periods(tile)[0]
-    solids = 0
-    for label in np.unique(own):
-        triangles = tile.triangles[own == label]
-        used = np.unique(triangles)
-        if len(used) > len(np.unique(place[used])):
-            continue  # a yarn or a sheet: it holds vertices and their own copies
-        a, b, c = np.moveaxis(tile.positions[triangles] - tile.positions[used[0]], 1, 0)
+    finite = [part for part, endless in solids(tile) if not endless]
+    for part in finite:
+        a, b, c = np.moveaxis(tile.positions[part] - tile.positions[part[0, 0]], 1, 0)
         assert np.einsum("ij,ij->", a, np.cross(b, c)) > 0.0
-        solids += 1
-    assert solids == {"weave": 0, "grid": 40, "chain": 4, "squama": 16, "bark": 0, "fur": 361}[name]
+    assert len(finite) == {"weave": 0, "grid": 40, "chain": 4, "squama": 16, "bark": 0, "fur": 361}[name]
 
 
 def test_float32_keeps_positions_and_both_periods(name):
