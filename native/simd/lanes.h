@@ -15,6 +15,7 @@ constexpr int lanes = 4;
 #endif
 
 typedef std::int32_t Ints __attribute__((vector_size(4 * lanes)));
+typedef std::uint32_t Uints __attribute__((vector_size(4 * lanes)));
 typedef float Floats __attribute__((vector_size(4 * lanes)));
 // As many lanes in twice the width: for what does not fit 32 bits.
 typedef double Doubles __attribute__((vector_size(8 * lanes)));

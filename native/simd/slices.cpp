@@ -13,8 +13,8 @@ namespace mesoshell::simd {
 namespace {
 
 constexpr std::int32_t step = 1 << lattice_bits;
-// Triangles up to so many lattice steps across have edge functions that fit 32 bits.
-constexpr std::int32_t most_small_extent = 7 * step;
+// Rows of nodes that a triangle whose edge functions fit 32 bits may span.
+constexpr int most_rows = 128;
 // A node this little behind a surface lies on it. Tile widths.
 constexpr float on_surface = 1e-6f;
 
@@ -105,15 +105,21 @@ bool set_up(const Slices& slices, int index, int groups, Triangle& triangle)
 }
 
 // 0 <= value < period, for values within some thousand periods.
-Ints wrapped(const Ints& value, int period, float one_over_period)
+Ints wrapped(const Ints& value, int period)
 {
-    const Floats share = __builtin_convertvector(value, Floats) * one_over_period;
+    const Floats share = __builtin_convertvector(value, Floats) * (1.0f / static_cast<float>(period));
     Ints turns = __builtin_convertvector(share, Ints);
     turns += __builtin_convertvector(turns, Floats) > share;  // toward minus infinity; true is -1
     Ints rest = value - turns * period;
     rest += (rest < 0) & period;
     rest -= (rest >= period) & period;
     return rest;
+}
+
+// The same for values below two periods.
+inline Ints once_wrapped(const Ints& value, int period)
+{
+    return value - ((value >= period) & period);
 }
 
 // What the two rasterizers share: a group of slices, lane by lane.
@@ -135,8 +141,8 @@ inline Group start_group(const Slices& slices, const Triangle& triangle, int gro
     const Ints j = (triangle.y_min - slice_y + (step - 1)) >> lattice_bits;
     g.dx = (i << lattice_bits) + slice_x - triangle.ax;
     g.dy = (j << lattice_bits) + slice_y - triangle.ay;
-    g.column = wrapped(i, slices.nx, 1.0f / static_cast<float>(slices.nx));
-    g.row = wrapped(j, slices.ny, 1.0f / static_cast<float>(slices.ny));
+    g.column = wrapped(i, slices.nx);
+    g.row = wrapped(j, slices.ny);
     g.slice_t = load<Floats>(slices.slice_t + g.first_slice);
     const Floats x = __builtin_convertvector(g.dx, Floats) +
                      (load<Floats>(slices.slice_x_rest + g.first_slice) - triangle.a_rest_x);
@@ -166,54 +172,6 @@ inline void keep_nearest(unsigned hits, const Ints& index, const Floats& distanc
     }
 }
 
-
-void rasterize_small(const Slices& slices, const Triangle& triangle, float* nearest)
-{
-    const int columns = (triangle.x_extent >> lattice_bits) + 1;
-    const int rows = (triangle.y_extent >> lattice_bits) + 1;
-    const auto area = static_cast<std::int32_t>(triangle.area);
-    const float t_column = triangle.t_x * step;
-    const float t_row = triangle.t_y * step;
-    for (int group = triangle.first_group; group <= triangle.last_group; ++group) {
-        Group g = start_group(slices, triangle, group);
-        Ints ab_row = triangle.bx * g.dy - triangle.by * g.dx;
-        Ints ca_row = triangle.cy * g.dx - triangle.cx * g.dy;
-        Ints bc_row = area - ab_row - ca_row + triangle.bias_bc;
-        ab_row += triangle.bias_ab;
-        ca_row += triangle.bias_ca;
-        const Ints slice = lane_numbers + g.first_slice;
-        for (int j = 0; j < rows; ++j) {
-            Ints ab = ab_row;
-            Ints bc = bc_row;
-            Ints ca = ca_row;
-            Ints column = g.column;
-            Floats t = g.t;
-            for (int i = 0; i < columns; ++i) {
-                const Ints outside = ab | bc | ca | (t < triangle.least_distance);
-                const unsigned hits = ~sign_bits(outside) & ((1u << lanes) - 1);
-                if (hits != 0) {
-                    const Floats low = triangle.t_min - g.slice_t;
-                    const Floats high = triangle.t_max - g.slice_t;
-                    const Floats distance = clamped(t, low, high);
-                    keep_nearest(hits, (g.row * slices.nx + column) * slices.nz + slice,
-                                 distance < 0.0f ? Floats{} : distance, nearest);
-                }
-                ab -= triangle.by * step;
-                ca += triangle.cy * step;
-                bc += (triangle.by - triangle.cy) * step;
-                t += t_column;
-                column += 1;
-                column -= (column >= slices.nx) & slices.nx;
-            }
-            ab_row += triangle.bx * step;
-            ca_row -= triangle.cx * step;
-            bc_row += (triangle.cx - triangle.bx) * step;
-            g.t += t_row;
-            g.row += 1;
-            g.row -= (g.row >= slices.ny) & slices.ny;
-        }
-    }
-}
 
 // Columns [first, last] of a row of nodes that may lie in the triangle, whatever the slice: nodes of a row lie within one step of
 // each other across the lanes.
@@ -247,8 +205,86 @@ Span row_span(const Triangle& triangle, int row)
         return {0, -1};
     }
     const double origin = triangle.x_min - triangle.ax;
-    return {std::max(0, static_cast<int>((least - origin) / step) - 1),
-            std::min(triangle.x_extent >> lattice_bits, static_cast<int>((most - origin) / step) + 1)};
+    // A fixed-point step more on both sides, for the rounding of crossings.
+    return {std::max(0, static_cast<int>((least - origin - 1.0) * (1.0 / step))),
+            std::min(triangle.x_extent >> lattice_bits, static_cast<int>((most - origin + 1.0) * (1.0 / step)))};
+}
+
+// Whether the edge functions fit 32 bits at every node within two steps of the triangle. Long products on the way to them may
+// not, and need not: sums modulo 2^32 come out right.
+bool fits_32_bits(const Triangle& triangle)
+{
+    const double around = 3.0 * step * (double(triangle.x_extent) + triangle.y_extent + step);
+    return double(triangle.area) + around < double(1u << 31) && (triangle.y_extent >> lattice_bits) < most_rows;
+}
+
+void rasterize_small(const Slices& slices, const Triangle& triangle, float* nearest)
+{
+    // What a row adds to the values at the first node of all, at the first column that it needs.
+    struct Row {
+        Span span;
+        std::uint32_t ab, bc, ca;
+        float t;
+    };
+    Row row_list[most_rows];
+    const int columns = (triangle.x_extent >> lattice_bits) + 1;
+    const int rows = (triangle.y_extent >> lattice_bits) + 1;
+    const bool within_period = columns <= slices.nx && rows <= slices.ny;
+    const auto bx = static_cast<std::uint32_t>(triangle.bx);
+    const auto by = static_cast<std::uint32_t>(triangle.by);
+    const auto cx = static_cast<std::uint32_t>(triangle.cx);
+    const auto cy = static_cast<std::uint32_t>(triangle.cy);
+    const std::uint32_t ab_column = 0u - by * step;
+    const std::uint32_t ca_column = cy * step;
+    const std::uint32_t bc_column = 0u - ab_column - ca_column;
+    const float t_column = triangle.t_x * step;
+    for (int j = 0; j < rows; ++j) {
+        Row& row = row_list[j];
+        row.span = columns <= 2 ? Span{0, columns - 1} : row_span(triangle, j);
+        const auto first = static_cast<std::uint32_t>(row.span.first);
+        row.ab = bx * step * static_cast<std::uint32_t>(j) + ab_column * first;
+        row.ca = ca_column * first - cx * step * static_cast<std::uint32_t>(j);
+        row.bc = 0u - row.ab - row.ca;
+        row.t = triangle.t_y * step * static_cast<float>(j) + t_column * static_cast<float>(row.span.first);
+    }
+    const auto area = static_cast<std::uint32_t>(triangle.area);
+    for (int group = triangle.first_group; group <= triangle.last_group; ++group) {
+        const Group g = start_group(slices, triangle, group);
+        const auto dx = reinterpret_cast<Uints>(g.dx);
+        const auto dy = reinterpret_cast<Uints>(g.dy);
+        const Uints ab_first = bx * dy - by * dx;
+        const Uints ca_first = cy * dx - cx * dy;
+        const Uints bc_first = area - ab_first - ca_first + static_cast<std::uint32_t>(triangle.bias_bc);
+        const Uints ab_biased = ab_first + static_cast<std::uint32_t>(triangle.bias_ab);
+        const Uints ca_biased = ca_first + static_cast<std::uint32_t>(triangle.bias_ca);
+        const Ints slice = lane_numbers + g.first_slice;
+        for (int j = 0; j < rows; ++j) {
+            const Row& row = row_list[j];
+            Uints ab = ab_biased + row.ab;
+            Uints bc = bc_first + row.bc;
+            Uints ca = ca_biased + row.ca;
+            Floats t = g.t + row.t;
+            for (int i = row.span.first; i <= row.span.last; ++i) {
+                const Ints outside = reinterpret_cast<Ints>(ab | bc | ca) | (t < triangle.least_distance);
+                const unsigned hits = ~sign_bits(outside) & ((1u << lanes) - 1);
+                if (hits != 0) {
+                    const Floats low = triangle.t_min - g.slice_t;
+                    const Floats high = triangle.t_max - g.slice_t;
+                    const Floats distance = clamped(t, low, high);
+                    const Ints column = g.column + i;
+                    const Ints line = g.row + j;
+                    const Ints place = within_period ? once_wrapped(line, slices.ny) * slices.nx + once_wrapped(column, slices.nx)
+                                                     : wrapped(line, slices.ny) * slices.nx + wrapped(column, slices.nx);
+                    keep_nearest(hits, place * slices.nz + slice,
+                                 distance < 0.0f ? Floats{} : distance, nearest);
+                }
+                ab += ab_column;
+                bc += bc_column;
+                ca += ca_column;
+                t += t_column;
+            }
+        }
+    }
 }
 
 void rasterize_large(const Slices& slices, const Triangle& triangle, float* nearest)
@@ -270,8 +306,8 @@ void rasterize_large(const Slices& slices, const Triangle& triangle, float* near
             Doubles bc = double(triangle.area) - ab - ca + double(triangle.bias_bc);
             ab += double(triangle.bias_ab);
             ca += double(triangle.bias_ca);
-            Ints column = wrapped(g.column + span.first, slices.nx, 1.0f / static_cast<float>(slices.nx));
-            const Ints row = wrapped(g.row + j, slices.ny, 1.0f / static_cast<float>(slices.ny));
+            Ints column = wrapped(g.column + span.first, slices.nx);
+            const Ints row = wrapped(g.row + j, slices.ny);
             Floats t = g.t + t_column * static_cast<float>(span.first) + t_row * static_cast<float>(j);
             const Ints slice = lane_numbers + g.first_slice;
             for (int i = span.first; i <= span.last; ++i) {
@@ -302,8 +338,7 @@ void rasterize_slices(const Slices& slices, float* nearest)
     Triangle triangle;
     for (int i = 0; i < slices.triangle_count; ++i) {
         if (set_up(slices, i, groups, triangle)) {
-            const bool small = triangle.x_extent <= most_small_extent && triangle.y_extent <= most_small_extent;
-            (small ? rasterize_small : rasterize_large)(slices, triangle, nearest);
+            (fits_32_bits(triangle) ? rasterize_small : rasterize_large)(slices, triangle, nearest);
         }
     }
 }
