@@ -1,62 +1,22 @@
 #include "mesoshell/sample.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
-#include <unordered_map>
 
+#include "columns.h"
 #include "mesoshell/error.h"
+#include "periodic_mesh.h"
+#include "repair.h"
+#include "sheets.h"
 
 namespace mesoshell {
 namespace {
 
-// Vertices closer than this, in tile widths, are one when the mesh is asked whether it closes.
-constexpr double weld_distance = 1e-5;
-
-// Gives every vertex the index of the first vertex at its place modulo the periods.
-std::vector<std::uint32_t> weld_periodic(const std::vector<glm::vec3>& positions, double aspect)
+// "1 face was", "3 faces were".
+std::string counted(std::size_t count, const std::string& thing, const std::string& verb_one, const std::string& verb_many)
 {
-    const glm::dvec2 period(1.0, aspect);
-    const glm::i64vec2 cells(std::max(1.0, std::floor(period.x / weld_distance)),
-                             std::max(1.0, std::floor(period.y / weld_distance)));
-    const glm::dvec2 cell_size = period / glm::dvec2(cells);
-    const auto wrapped = [&](const glm::vec3& p) {
-        return glm::dvec3(p.x - std::floor(p.x / period.x) * period.x, p.y - std::floor(p.y / period.y) * period.y, p.z);
-    };
-    const auto key_of = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-        x = (x % cells.x + cells.x) % cells.x;
-        y = (y % cells.y + cells.y) % cells.y;
-        return static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15u ^ static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4Fu ^
-               static_cast<std::uint64_t>(z) * 0x165667B19E3779F9u;
-    };
-
-    std::unordered_multimap<std::uint64_t, std::uint32_t> grid;
-    grid.reserve(positions.size());
-    std::vector<std::uint32_t> welded(positions.size());
-    for (std::uint32_t i = 0; i < positions.size(); ++i) {
-        const glm::dvec3 p = wrapped(positions[i]);
-        const glm::i64vec3 cell(p.x / cell_size.x, p.y / cell_size.y, std::floor(p.z / weld_distance));
-        std::uint32_t match = i;
-        for (int neighbor = 0; neighbor < 27 && match == i; ++neighbor) {
-            const auto range = grid.equal_range(
-                key_of(cell.x + neighbor % 3 - 1, cell.y + neighbor / 3 % 3 - 1, cell.z + neighbor / 9 - 1));
-            for (auto it = range.first; it != range.second; ++it) {
-                glm::dvec3 offset = glm::abs(wrapped(positions[it->second]) - p);
-                offset.x = std::min(offset.x, period.x - offset.x);
-                offset.y = std::min(offset.y, period.y - offset.y);
-                if (glm::length(offset) < weld_distance) {
-                    match = it->second;
-                    break;
-                }
-            }
-        }
-        welded[i] = match;
-        if (match == i) {
-            grid.emplace(key_of(cell.x, cell.y, cell.z), i);
-        }
-    }
-    return welded;
+    return std::to_string(count) + " " + thing + (count == 1 ? " " + verb_one : "s " + verb_many);
 }
 
 // The part of a triangle on one side of a plane z = level: 0, 3 or 4 corners become up to 5 after two planes.
@@ -82,15 +42,16 @@ std::vector<glm::vec3> clip_polygon(const std::vector<glm::vec3>& polygon, float
 
 }  // namespace
 
-Sample::Sample(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles, float height, float aspect)
-    : positions_(std::move(positions)), triangles_(std::move(triangles)), height_(height), aspect_(aspect)
+Sample::Sample(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles, float height, float aspect,
+               const SampleOptions& options)
+    : input_positions_(std::move(positions)), input_triangles_(std::move(triangles)), height_(height), aspect_(aspect)
 {
-    check_values();
-    check_closed();
+    check_values(options);
+    repair(options);
     clip_to_slab();
 }
 
-void Sample::check_values() const
+void Sample::check_values(const SampleOptions& options) const
 {
     if (!(height_ > 0.0f) || !std::isfinite(height_)) {
         throw InvalidArgument("height is " + std::to_string(height_) + "; give the tile a positive height, in tile widths");
@@ -98,85 +59,89 @@ void Sample::check_values() const
     if (!(aspect_ > 0.0f) || !std::isfinite(aspect_)) {
         throw InvalidArgument("aspect is " + std::to_string(aspect_) + "; give the tile positive periods");
     }
-    if (positions_.empty() || triangles_.empty()) {
+    if (!(options.thickness >= 0.0f) || !std::isfinite(options.thickness)) {
+        throw InvalidArgument("the sheets' thickness is " + std::to_string(options.thickness) +
+                              "; give zero or more, in tile widths");
+    }
+    if (options.cap_cells < 4 || options.cap_cells > 1024) {
+        throw InvalidArgument("the grid that closes holes has " + std::to_string(options.cap_cells) +
+                              " cells a tile width; give 4 to 1024");
+    }
+    if (input_positions_.empty() || input_triangles_.empty()) {
         throw InvalidArgument("the tile is empty; give it a mesh with at least one triangle");
     }
-    for (std::size_t i = 0; i < positions_.size(); ++i) {
-        const glm::vec3& p = positions_[i];
+    for (std::size_t i = 0; i < input_positions_.size(); ++i) {
+        const glm::vec3& p = input_positions_[i];
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
             throw InvalidArgument("vertex " + std::to_string(i) +
                                   " of the tile is not finite; remove it or repair the modifier that makes it");
         }
+        if (std::abs(p.x) > most_periods || std::abs(p.y) > most_periods * aspect_ || std::abs(p.z) > most_height) {
+            throw InvalidArgument("vertex " + std::to_string(i) + " of the tile is more than " +
+                                  std::to_string(static_cast<int>(most_periods)) +
+                                  " periods away; move the mesh to the tile box, or make the period larger");
+        }
     }
-    for (std::size_t i = 0; i < triangles_.size(); ++i) {
-        const glm::uvec3& t = triangles_[i];
-        if (std::max(t.x, std::max(t.y, t.z)) >= positions_.size()) {
+    for (std::size_t i = 0; i < input_triangles_.size(); ++i) {
+        const glm::uvec3& t = input_triangles_[i];
+        if (std::max(t.x, std::max(t.y, t.z)) >= input_positions_.size()) {
             throw InvalidArgument("triangle " + std::to_string(i) + " of the tile uses vertex " +
                                   std::to_string(std::max(t.x, std::max(t.y, t.z))) + ", but there are only " +
-                                  std::to_string(positions_.size()) + " vertices");
+                                  std::to_string(input_positions_.size()) + " vertices");
         }
     }
 }
 
-bool Sample::winds_outward() const
+void Sample::repair(const SampleOptions& options)
 {
-    double volume = 0.0;
-    for (const glm::uvec3& t : triangles_) {
-        volume += glm::dot(glm::dvec3(positions_[t.x]), glm::cross(glm::dvec3(positions_[t.y]), glm::dvec3(positions_[t.z])));
+    PeriodicMesh mesh = weld(input_positions_, input_triangles_, aspect_);
+    if (const std::size_t dropped = drop_degenerate(mesh); dropped > 0) {
+        notices_.push_back(counted(dropped, "face", "has", "have") + " no area and " + (dropped == 1 ? "was" : "were") + " left out.");
     }
-    return oriented_ && volume > 0.0;
-}
-
-void Sample::check_closed()
-{
-    const std::vector<std::uint32_t> welded = weld_periodic(positions_, aspect_);
-    // An edge modulo the periods: two welded vertices, and how many periods it spans beyond them. Edges that join the same
-    // vertices across different borders are different edges, and one may join a vertex to its own copy.
-    struct Edge {
-        std::array<std::int64_t, 4> ends;
-        bool forward;
-        std::uint32_t from;
-        std::uint32_t to;
-    };
-    const auto periods_from_welded = [&](std::uint32_t vertex) {
-        const glm::dvec2 offset(positions_[vertex] - positions_[welded[vertex]]);
-        return glm::i64vec2(std::llround(offset.x), std::llround(offset.y / aspect_));
-    };
-    std::vector<Edge> edges;
-    edges.reserve(triangles_.size() * 3);
-    for (const glm::uvec3& t : triangles_) {
-        for (int i = 0; i < 3; ++i) {
-            const std::uint32_t from = t[i];
-            const std::uint32_t to = t[(i + 1) % 3];
-            const std::int64_t a = welded[from];
-            const std::int64_t b = welded[to];
-            const glm::i64vec2 span = periods_from_welded(to) - periods_from_welded(from);
-            const std::array<std::int64_t, 4> there{a, b, span.x, span.y};
-            const std::array<std::int64_t, 4> back{b, a, -span.x, -span.y};
-            if (there != back) {  // else it has no length
-                edges.push_back({std::min(there, back), there < back, from, to});
-            }
+    std::vector<bool> two_sided;
+    if (const std::size_t dropped = drop_duplicates(mesh, two_sided); dropped > 0) {
+        notices_.push_back(counted(dropped, "duplicate face", "was", "were") + " dropped.");
+    }
+    double area = 0.0;
+    for (const glm::uvec3& t : mesh.triangles) {
+        area += glm::length(area_vector(mesh, t));
+    }
+    if (!(area > 0.0)) {
+        throw InvalidArgument("the tile's mesh has no area; give it a face whose corners do not lie on one line");
+    }
+    const std::vector<glm::uvec3> before = mesh.triangles;
+    Components components = make_coherent(mesh);
+    turn_outward(mesh, components);
+    std::size_t turned = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        turned += before[i] != mesh.triangles[i] ? 1 : 0;
+    }
+    if (turned > 0) {
+        notices_.push_back(counted(turned, "face", "was", "were") + " turned over, so that the outside is out.");
+    }
+    if (options.thickness == 0.0f) {
+        if (const std::size_t dropped = drop_two_sided_sheets(mesh, components, two_sided); dropped > 0) {
+            notices_.push_back(counted(dropped, "face", "encloses", "enclose") + " nothing and " +
+                               (dropped == 1 ? "was" : "were") + " left out; give a thickness to keep sheets.");
+        }
+    } else {
+        if (const std::size_t sheets = thicken(mesh, components, options.thickness); sheets > 0) {
+            notices_.push_back(counted(sheets, "open part", "became a sheet", "became sheets") + " of the given thickness.");
+            mesh = weld(std::move(mesh.positions), std::move(mesh.triangles), aspect_);
+            drop_degenerate(mesh);
         }
     }
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.ends < b.ends; });
-    std::size_t open = 0;
-    Edge first{};
-    oriented_ = true;
-    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-        int balance = 0;
-        for (end = begin; end < edges.size() && edges[end].ends == edges[begin].ends; ++end) {
-            balance += edges[end].forward ? 1 : -1;
-        }
-        if ((end - begin) % 2 != 0 && open++ == 0) {
-            first = edges[begin];
-        }
-        oriented_ = oriented_ && balance == 0;
+    const std::size_t open = count_open_edges(mesh);
+    integer_winding_ = open == 0;
+    if (!integer_winding_) {
+        throw InvalidArgument("the tile's mesh is open at " + std::to_string(open) +
+                              " edges; close it, so that it has an inside, or give a thickness");
     }
-    if (open > 0) {
-        throw InvalidArgument("the tile's mesh is open at " + std::to_string(open) + " edges (one joins vertices " +
-                              std::to_string(first.from) + " and " + std::to_string(first.to) +
-                              "); close it, so that it has an inside");
-    }
+    Job job;
+    winding_range_ = winding_range(mesh, job);
+    positions_ = mesh.positions;
+    triangles_ = mesh.triangles;
+    winding_mesh_ = std::make_shared<const PeriodicMesh>(std::move(mesh));
 }
 
 void Sample::clip_to_slab()
@@ -192,6 +157,8 @@ void Sample::clip_to_slab()
     if (clipped_ == 0) {
         return;
     }
+    notices_.push_back(counted(clipped_, "triangle", "reaches", "reach") + " out of the tile's height and " +
+                       (clipped_ == 1 ? "was" : "were") + " clipped.");
     slab_positions_ = positions_;
     for (const glm::uvec3& t : triangles_) {
         std::vector<glm::vec3> polygon{positions_[t.x], positions_[t.y], positions_[t.z]};

@@ -1,34 +1,19 @@
 #include "tile_space.h"
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include <unistd.h>
 
+#include "columns.h"
 #include "parallel.h"
 
 namespace mesoshell {
 namespace {
 
-// Almost vertical, and tilted by ratios that no modeled symmetry has, so that a ray meets no edge of the mesh. Three vote.
-constexpr std::array<glm::vec3, 3> probe_directions{glm::vec3(0.05371f, 0.07193f, 0.99596f),
-                                                    glm::vec3(-0.08417f, 0.03119f, -0.99596f),
-                                                    glm::vec3(0.02713f, -0.09241f, 0.99535f)};
-
 // Copies of the tile along one axis; more would take gigabytes of instances.
 constexpr float most_copies = 1000.0f;
-
-bool is_inside(const TriangleScene& scene, const glm::vec3& point, bool oriented)
-{
-    int votes = 0;
-    for (const glm::vec3& dir : probe_directions) {
-        const TriangleScene::Crossings crossings = scene.count_crossings(point, dir);
-        votes += (oriented ? crossings.winding != 0 : crossings.count % 2 != 0) ? 1 : 0;
-    }
-    return votes >= 2;
-}
 
 }  // namespace
 
@@ -89,26 +74,11 @@ void check_memory(const std::string& what, double bytes, const std::string& reme
 
 std::vector<std::uint8_t> classify_inside(const Sample& sample, const glm::ivec3& nodes, Job& job)
 {
-    float lowest = 0.0f;
-    float highest = sample.height();
-    for (const glm::vec3& p : sample.positions()) {
-        lowest = std::min(lowest, p.z);
-        highest = std::max(highest, p.z);
+    std::vector<float> z(static_cast<std::size_t>(nodes.z));
+    for (int k = 0; k < nodes.z; ++k) {
+        z[static_cast<std::size_t>(k)] = sample.height() * static_cast<float>(k) / static_cast<float>(nodes.z - 1);
     }
-    const float reach = 0.12f * (highest - lowest);  // the probes lean by less than that
-    const TriangleScene scene(sample.positions(), sample.triangles(), lattice_within(sample, reach),
-                              TriangleScene::Use::crossings);
-    std::vector<std::uint8_t> inside(static_cast<std::size_t>(nodes.x) * nodes.y * nodes.z);
-    parallel_for(job, nodes.z * nodes.y, [&](int row) {
-        const int z = row / nodes.y;
-        const int y = row % nodes.y;
-        for (int x = 0; x < nodes.x; ++x) {
-            const glm::vec3 point(static_cast<float>(x) / nodes.x, sample.aspect() * static_cast<float>(y) / nodes.y,
-                                  sample.height() * static_cast<float>(z) / (nodes.z - 1));
-            inside[static_cast<std::size_t>(row) * nodes.x + x] = is_inside(scene, point, sample.oriented()) ? 1 : 0;
-        }
-    });
-    return inside;
+    return classify_by_columns(sample.winding_mesh(), glm::ivec2(nodes), z, job);
 }
 
 }  // namespace mesoshell

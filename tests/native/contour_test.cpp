@@ -234,7 +234,7 @@ TEST(Contour, NoiseWithNodesOnTheThresholdIsClosed)
         const Volume grid = noise(seed, {5, 6, 4}, 3);
         const Contour mesh = grid.contour(1.0f);
         expect_closed(mesh, grid.aspect);
-        EXPECT_TRUE(Sample(mesh.positions, mesh.triangles, grid.height, grid.aspect).oriented());
+        EXPECT_TRUE(Sample(mesh.positions, mesh.triangles, grid.height, grid.aspect).winds_outward());
     }
 }
 

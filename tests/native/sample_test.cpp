@@ -113,15 +113,15 @@ TEST(Sample, MeshCutAtTheBorderIsClosedModuloThePeriods)
         mesh.triangles.emplace_back(first, first + 1, first + 2);
     }
     const Sample sample = mesh.sample(0.6f, 0.5f);
-    EXPECT_TRUE(sample.oriented());
+    EXPECT_TRUE(sample.winds_outward());
     // Not with another period, for which the pieces do not fit.
     expect_refusal<InvalidArgument>([&] { mesh.sample(0.6f, 0.7f); }, {"open"});
 }
 
 TEST(Sample, SheetsWithoutSideWallsAreClosedModuloThePeriods)
 {
-    EXPECT_TRUE(slab(0.1f, 0.4f, 0.75f).sample(0.6f, 0.75f).oriented());
-    EXPECT_TRUE(slab(0.1f, 0.4f, 0.75f, 1, 1).sample(0.6f, 0.75f).oriented());
+    EXPECT_TRUE(slab(0.1f, 0.4f, 0.75f).sample(0.6f, 0.75f).winds_outward());
+    EXPECT_TRUE(slab(0.1f, 0.4f, 0.75f, 1, 1).sample(0.6f, 0.75f).winds_outward());
     expect_refusal<InvalidArgument>([] { slab(0.1f, 0.4f, 0.75f).sample(0.6f, 0.8f); }, {"open"});
 }
 
@@ -130,16 +130,16 @@ TEST(Sample, ZeroAreaTrianglesDoNotOpenAMesh)
     Mesh mesh = ball;
     mesh.triangles.emplace_back(2u, 2u, 3u);
     mesh.triangles.emplace_back(4u, 4u, 4u);
-    EXPECT_TRUE(mesh.sample(0.6f).oriented());
+    EXPECT_TRUE(mesh.sample(0.6f).winds_outward());
 }
 
-TEST(Sample, OrientationOfWinding)
+TEST(Sample, FacesAreTurnedUntilTheyAgree)
 {
-    EXPECT_TRUE(ball.sample(0.6f).oriented());
-    EXPECT_TRUE(flipped(ball).sample(0.6f).oriented());
+    EXPECT_TRUE(ball.sample(0.6f).winds_outward());
+    EXPECT_TRUE(flipped(ball).sample(0.6f).winds_outward());
     Mesh mesh = ball;
     std::swap(mesh.triangles[9].x, mesh.triangles[9].y);
-    EXPECT_FALSE(mesh.sample(0.6f).oriented());
+    EXPECT_TRUE(mesh.sample(0.6f).winds_outward());
 }
 
 TEST(Sample, NothingClippedInsideTheSlab)
