@@ -28,16 +28,18 @@ def seeds_near(places):
     """Of warped places [n, 2]: the seeds of the plates around, [12, n, 2] with lengths along the trunk stretched, and a chance [12, n]
     of each plate's own."""
     home = np.floor(places * CELLS).astype(int)
+    columns, rows = np.indices(CELLS)
+    # Every other column is half a plate further on: no crack runs straight across.
+    jitters = np.stack([0.5 + 0.45 * (chance(columns, rows, 25) - 0.5),
+                        0.5 + 0.5 * (columns % 2) + 0.45 * (chance(columns, rows, 26) - 0.5)], -1)
+    chances = chance(columns, rows, 27)
     seeds, own = [], []
     for i in (-1, 0, 1):
         for j in (-2, -1, 0, 1):
             cell = home + (i, j)
-            column, row = np.mod(cell[:, 0], CELLS[0]), np.mod(cell[:, 1], CELLS[1])
-            # Every other column is half a plate further on: no crack runs straight across.
-            jitter = np.stack([0.5 + 0.45 * (chance(column, row, 25) - 0.5),
-                               0.5 + 0.5 * (column % 2) + 0.45 * (chance(column, row, 26) - 0.5)], -1)
-            seeds.append((cell + jitter) / CELLS * [1.0, STRETCH])
-            own.append(chance(column, row, 27))
+            plate = np.mod(cell[:, 0], CELLS[0]), np.mod(cell[:, 1], CELLS[1])
+            seeds.append((cell + jitters[plate]) / CELLS * [1.0, STRETCH])
+            own.append(chances[plate])
     return np.stack(seeds), np.stack(own)
 
 

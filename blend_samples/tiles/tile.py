@@ -78,11 +78,12 @@ def noise(points, cells, seed):
     corner = np.floor(points).astype(np.int64)
     weight = points - corner
     weight = weight * weight * weight * (weight * (weight * 6.0 - 15.0) + 10.0)
+    values = chance(seed, *np.indices(cells))
     total = 0.0
     for index in np.ndindex(*(2,) * points.shape[-1]):
         nodes = np.mod(corner + index, cells)
         share = np.prod(np.where(index, weight, 1.0 - weight), axis=-1)
-        total = total + share * chance(seed, *np.moveaxis(nodes, -1, 0))
+        total = total + share * values[tuple(np.moveaxis(nodes, -1, 0))]
     return 2.0 * total - 1.0
 
 
