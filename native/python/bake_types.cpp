@@ -1,5 +1,8 @@
 // mesoshell_native.Gdm, Sdf, bake_gdm, bake_sdf
+#include <unistd.h>
+
 #include "arrays.h"
+#include "bake_arguments.h"
 #include "mesoshell/bake.h"
 #include "mesoshell/libraries.h"
 #include "run.h"
@@ -98,45 +101,25 @@ PyType_Slot sdf_slots[] = {
 PyType_Spec sdf_spec = {"mesoshell_native.Sdf", sizeof(Boxed<Sdf>), 0,
                         Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION, sdf_slots};
 
-Engine engine_argument(const std::string& name)
-{
-    for (const auto& [known, engine] : {std::pair("auto", Engine::automatic), {"embree", Engine::embree}, {"slices", Engine::slices}}) {
-        if (name == known) {
-            return engine;
-        }
-    }
-    throw InvalidArgument("engine is '" + name + "'; give auto, embree or slices");
-}
-
 PyObject* py_bake_gdm(PyObject* module, PyObject* args, PyObject* kwargs)
 {
     ModuleState& state = state_of_module(module);
     return guarded(state, [&]() -> PyObject* {
         static const char* names[] = {"sample", "resolution", "directions", "engine", "threads", "progress", nullptr};
         PyObject* sample = nullptr;
-        PyObject* resolution = nullptr;
-        PyObject* directions = nullptr;
+        BakeArguments arguments;
         PyObject* progress = nullptr;
-        const char* engine = "auto";
         int threads = 0;
         if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOsiO:bake_gdm", const_cast<char**>(names), state.sample_type,
-                                         &sample, &resolution, &directions, &engine, &threads, &progress)) {
+                                         &sample, &arguments.resolution, &arguments.directions, &arguments.engine, &threads,
+                                         &progress)) {
             return nullptr;
         }
-        GdmResolution wanted;
-        if (resolution != nullptr) {
-            const std::vector<int> nodes = integers(state, resolution, "resolution", 3);
-            wanted.nodes = glm::ivec3(nodes[0], nodes[1], nodes[2]);
-        }
-        if (directions != nullptr) {
-            const std::vector<int> angles = integers(state, directions, "directions", 2);
-            wanted.ntheta = angles[0];
-            wanted.nphi = angles[1];
-        }
+        const GdmResolution resolution = arguments.checked_resolution(state);
+        const Engine engine = arguments.checked_engine();
         const auto held = unbox<Sample>(sample);
         Job job(threads);
-        const Engine chosen = engine_argument(engine);
-        return box(state.gdm_type, run(job, progress, [&] { return bake_gdm(*held, wanted, chosen, job); }));
+        return box(state.gdm_type, run(job, progress, [&] { return bake_gdm(*held, resolution, engine, job); }));
     });
 }
 
@@ -183,6 +166,36 @@ PyMethodDef functions[] = {
 };
 
 }  // namespace
+
+GdmResolution BakeArguments::checked_resolution(ModuleState& state) const
+{
+    GdmResolution wanted;
+    if (resolution != nullptr) {
+        const std::vector<int> nodes = integers(state, resolution, "resolution", 3);
+        wanted.nodes = glm::ivec3(nodes[0], nodes[1], nodes[2]);
+    }
+    if (directions != nullptr) {
+        const std::vector<int> angles = integers(state, directions, "directions", 2);
+        wanted.ntheta = angles[0];
+        wanted.nphi = angles[1];
+    }
+    return wanted;
+}
+
+Engine BakeArguments::checked_engine() const
+{
+    for (const auto& [known, choice] : {std::pair("auto", Engine::automatic), {"embree", Engine::embree}, {"slices", Engine::slices}}) {
+        if (std::string(engine) == known) {
+            return choice;
+        }
+    }
+    throw InvalidArgument("engine is '" + std::string(engine) + "'; give auto, embree or slices");
+}
+
+double default_memory()
+{
+    return 0.25 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
 
 int add_bake(PyObject* module)
 {

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "arrays.h"
+#include "bake_arguments.h"
 #include "mesoshell/compress.h"
 #include "mesoshell/render.h"
 #include "mesoshell/store.h"
@@ -9,6 +10,36 @@
 
 namespace mesoshell::python {
 namespace {
+
+template <typename Choice>
+struct Named {
+    const char* name;
+    Choice choice;
+};
+
+constexpr Named<Precision> precisions[] = {{"byte", Precision::byte}, {"half", Precision::half}, {"float", Precision::single}};
+constexpr Named<Layout> layouts[] = {{"paper", Layout::paper}, {"share", Layout::share}, {"nodes", Layout::nodes}};
+
+template <typename Choice, std::size_t count>
+PyObject* name_of(const Named<Choice> (&named)[count], Choice choice)
+{
+    const auto* found = std::find_if(named, named + count, [&](const auto& entry) { return entry.choice == choice; });
+    return PyUnicode_FromString(found->name);
+}
+
+template <typename Choice, std::size_t count>
+Choice choice_of(const Named<Choice> (&named)[count], const std::string& what, const std::string& name)
+{
+    const auto* found = std::find_if(named, named + count, [&](const auto& entry) { return entry.name == name; });
+    if (found == named + count) {
+        std::string known;
+        for (std::size_t i = 0; i < count; ++i) {
+            known += std::string(i == 0 ? "" : i + 1 == count ? " or " : ", ") + named[i].name;
+        }
+        throw InvalidArgument(what + " '" + name + "' does not exist; choose " + known);
+    }
+    return found->choice;
+}
 
 const Map& self_of(PyObject* self)
 {
@@ -19,8 +50,8 @@ PyObject* map_weights(PyObject* self, void*)
 {
     return guarded(state_of(self), [&] {
         const auto& map = unbox<Map>(self);
-        const GdmResolution& r = map->resolution;
-        return array_view(state_of(self), map, map->weights.data(), 'f', {map->terms, r.nphi, r.nodes.y, r.nodes.x});
+        const glm::ivec3& nodes = map->resolution.nodes;
+        return array_view(state_of(self), map, map->weights.data(), 'f', {map->terms, map->weight_azimuths(), nodes.y, nodes.x});
     });
 }
 
@@ -29,7 +60,7 @@ PyObject* map_eigenmaps(PyObject* self, void*)
     return guarded(state_of(self), [&] {
         const auto& map = unbox<Map>(self);
         return array_view(state_of(self), map, map->eigenmaps.data(), 'f',
-                          {map->terms, map->resolution.ntheta, map->resolution.nodes.z});
+                          {map->terms, map->eigen_azimuths(), map->resolution.ntheta, map->resolution.nodes.z});
     });
 }
 
@@ -57,8 +88,8 @@ PyObject* map_directions(PyObject* self, void*)
 }
 
 PyGetSetDef map_attributes[] = {
-    {"weights", map_weights, nullptr, "float32 [terms, nphi, ny, nx]", nullptr},
-    {"eigenmaps", map_eigenmaps, nullptr, "float32 [terms, ntheta, nz]", nullptr},
+    {"weights", map_weights, nullptr, "float32 [terms, nphi or 1, ny, nx]", nullptr},
+    {"eigenmaps", map_eigenmaps, nullptr, "float32 [terms, 1 or nphi, ntheta, nz]", nullptr},
     {"sdf", map_sdf, nullptr, "float32 [mz, my, mx], tile widths, negative inside; or None", nullptr},
     {"height", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).height); }, nullptr, "tile widths", nullptr},
     {"aspect", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).aspect); }, nullptr, "pv / pu", nullptr},
@@ -69,11 +100,10 @@ PyGetSetDef map_attributes[] = {
      "largest error of the stored terms over the grid, tile widths", nullptr},
     {"resolution", map_resolution, nullptr, "(nx, ny, nz)", nullptr},
     {"directions", map_directions, nullptr, "(ntheta, nphi)", nullptr},
-    {"precision",
-     [](PyObject* self, void*) {
-         return PyUnicode_FromString(self_of(self).precision == Precision::half ? "half" : "float");
-     },
-     nullptr, "\"half\" or \"float\"", nullptr},
+    {"precision", [](PyObject* self, void*) { return name_of(precisions, self_of(self).precision); }, nullptr,
+     "\"byte\", \"half\" or \"float\"", nullptr},
+    {"layout", [](PyObject* self, void*) { return name_of(layouts, self_of(self).layout); }, nullptr,
+     "\"paper\", \"share\" or \"nodes\"", nullptr},
     {nullptr, nullptr, nullptr, nullptr, nullptr},
 };
 
@@ -154,36 +184,19 @@ PyType_Slot map_slots[] = {
 PyType_Spec map_spec = {"mesoshell_native.Map", sizeof(Boxed<Map>), 0,
                         Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION, map_slots};
 
-PyObject* py_compress(PyObject* module, PyObject* args, PyObject* kwargs)
-{
-    ModuleState& state = state_of_module(module);
-    return guarded(state, [&]() -> PyObject* {
-        static const char* names[] = {"gdm",       "sdf",     "terms",    "max_rmse", "layout",
-                                      "precision", "threads", "progress", nullptr};
-        PyObject* gdm = nullptr;
-        PyObject* sdf = Py_None;
-        PyObject* terms = Py_None;
-        PyObject* max_rmse = Py_None;
-        const char* layout = "paper";
-        const char* precision = "half";
-        int threads = 0;
-        PyObject* progress = nullptr;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOOssiO:compress", const_cast<char**>(names), state.gdm_type,
-                                         &gdm, &sdf, &terms, &max_rmse, &layout, &precision, &threads, &progress)) {
-            return nullptr;
-        }
-        if (std::string(layout) != "paper") {
-            throw InvalidArgument("layout '" + std::string(layout) + "' does not exist; choose 'paper'");
-        }
+// What compress and bake_map have in common.
+struct CompressArguments {
+    PyObject* sdf = Py_None;
+    PyObject* terms = Py_None;
+    PyObject* max_rmse = Py_None;
+    const char* layout = "paper";
+    const char* precision = "byte";
+
+    CompressOptions options() const
+    {
         CompressOptions options;
-        if (std::string(precision) == "float") {
-            options.precision = Precision::single;
-        } else if (std::string(precision) != "half") {
-            throw InvalidArgument("precision '" + std::string(precision) + "' does not exist; choose 'half' or 'float'");
-        }
-        if (sdf != Py_None && Py_TYPE(sdf) != state.sdf_type) {
-            throw InvalidArgument("sdf is no Sdf; pass what bake_sdf returned");
-        }
+        options.layout = choice_of(layouts, "layout", layout);
+        options.precision = choice_of(precisions, "precision", precision);
         if (terms != Py_None && max_rmse != Py_None) {
             throw InvalidArgument("terms and max_rmse are both given; choose one");
         }
@@ -200,10 +213,87 @@ PyObject* py_compress(PyObject* module, PyObject* args, PyObject* kwargs)
         if (max_rmse != Py_None && !(options.max_rmse > 0.0f)) {
             throw InvalidArgument("max_rmse is " + std::to_string(options.max_rmse) + "; give a positive number of tile widths");
         }
+        return options;
+    }
+
+    std::shared_ptr<const Sdf> held_sdf(const ModuleState& state) const
+    {
+        if (sdf != Py_None && Py_TYPE(sdf) != state.sdf_type) {
+            throw InvalidArgument("sdf is no Sdf; pass what bake_sdf returned");
+        }
+        return sdf == Py_None ? nullptr : unbox<Sdf>(sdf);
+    }
+};
+
+PyObject* py_compress(PyObject* module, PyObject* args, PyObject* kwargs)
+{
+    ModuleState& state = state_of_module(module);
+    return guarded(state, [&]() -> PyObject* {
+        static const char* names[] = {"gdm",       "sdf",     "terms",    "max_rmse", "layout",
+                                      "precision", "threads", "progress", nullptr};
+        PyObject* gdm = nullptr;
+        CompressArguments arguments;
+        int threads = 0;
+        PyObject* progress = nullptr;
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOOssiO:compress", const_cast<char**>(names), state.gdm_type, &gdm,
+                                         &arguments.sdf, &arguments.terms, &arguments.max_rmse, &arguments.layout,
+                                         &arguments.precision, &threads, &progress)) {
+            return nullptr;
+        }
+        const CompressOptions options = arguments.options();
         const auto held = unbox<Gdm>(gdm);
-        const std::shared_ptr<const Sdf> held_sdf = sdf == Py_None ? nullptr : unbox<Sdf>(sdf);
+        const auto sdf = arguments.held_sdf(state);
         Job job(threads);
-        return box(state.map_type, run(job, progress, [&] { return compress(*held, held_sdf.get(), options, job); }));
+        return box(state.map_type, run(job, progress, [&] { return compress(*held, sdf.get(), options, job); }));
+    });
+}
+
+PyObject* py_bake_map(PyObject* module, PyObject* args, PyObject* kwargs)
+{
+    ModuleState& state = state_of_module(module);
+    return guarded(state, [&]() -> PyObject* {
+        static const char* names[] = {"sample", "resolution", "directions", "engine",  "sdf",      "terms", "max_rmse",
+                                      "layout", "precision",  "memory",     "threads", "progress", nullptr};
+        PyObject* sample = nullptr;
+        BakeArguments bake;
+        CompressArguments arguments;
+        double memory = 0.0;
+        int threads = 0;
+        PyObject* progress = nullptr;
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOsOOOssdiO:bake_map", const_cast<char**>(names), state.sample_type,
+                                         &sample, &bake.resolution, &bake.directions, &bake.engine, &arguments.sdf,
+                                         &arguments.terms, &arguments.max_rmse, &arguments.layout, &arguments.precision, &memory,
+                                         &threads, &progress)) {
+            return nullptr;
+        }
+        const GdmResolution resolution = bake.checked_resolution(state);
+        const Engine engine = bake.checked_engine();
+        const CompressOptions options = arguments.options();
+        const auto held = unbox<Sample>(sample);
+        const auto sdf = arguments.held_sdf(state);
+        const double limit = memory > 0.0 ? memory : default_memory();
+        Job job(threads);
+        return box(state.map_type, run(job, progress, [&] {
+            return bake_map(*held, resolution, engine, sdf.get(), options, limit, job);
+        }));
+    });
+}
+
+PyObject* py_term_bytes(PyObject* module, PyObject* args, PyObject* kwargs)
+{
+    ModuleState& state = state_of_module(module);
+    return guarded(state, [&]() -> PyObject* {
+        static const char* names[] = {"resolution", "directions", "terms", "layout", "precision", nullptr};
+        BakeArguments bake;
+        CompressArguments arguments;
+        CompressOptions options;
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "|$OOiss:term_bytes", const_cast<char**>(names), &bake.resolution,
+                                         &bake.directions, &options.terms, &arguments.layout, &arguments.precision)) {
+            return nullptr;
+        }
+        options.layout = choice_of(layouts, "layout", arguments.layout);
+        options.precision = choice_of(precisions, "precision", arguments.precision);
+        return PyFloat_FromDouble(term_bytes(bake.checked_resolution(state), options));
     });
 }
 
@@ -219,8 +309,16 @@ PyObject* py_load(PyObject* module, PyObject* path)
 
 PyMethodDef functions[] = {
     {"compress", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_compress)), METH_VARARGS | METH_KEYWORDS,
-     "compress(gdm, *, sdf=None, terms=16, max_rmse=None, layout='paper', precision='half', threads=0, progress=None)\n--\n\n"
+     "compress(gdm, *, sdf=None, terms=16, max_rmse=None, layout='paper', precision='byte', threads=0, progress=None)\n--\n\n"
      "A Map of the GDM's truncated SVD and the distance field; max_rmse in tile widths picks the fewest terms."},
+    {"bake_map", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_bake_map)), METH_VARARGS | METH_KEYWORDS,
+     "bake_map(sample, *, resolution=(64, 64, 32), directions=(16, 32), engine='auto', sdf=None, terms=16, max_rmse=None, "
+     "layout='paper', precision='byte', memory=0, threads=0, progress=None)\n--\n\n"
+     "bake_gdm and compress in at most `memory` bytes (0: a quarter of the machine's), the raw GDM streaming through in blocks of "
+     "azimuths."},
+    {"term_bytes", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_term_bytes)), METH_VARARGS | METH_KEYWORDS,
+     "term_bytes(*, resolution=(64, 64, 32), directions=(16, 32), terms=16, layout='paper', precision='byte')\n--\n\n"
+     "Bytes of a map's terms before they are packed into a file."},
     {"load", py_load, METH_O, "load(path)\n--\n\nRead a map. Raises OSError, or Error for a file that is no map."},
     {nullptr, nullptr, 0, nullptr},
 };

@@ -3,6 +3,7 @@
 // its table, so that the linker can never hand code for a newer processor to the rest of the program.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace mesoshell::simd {
@@ -35,10 +36,34 @@ struct Slices {
 
 constexpr int slice_padding = 16;
 
+// Rows of numbers that stand in groups; strides are numbers from one row or group to the next.
+struct RowGroups {
+    const float* first;
+    int groups;
+    std::ptrdiff_t group_stride;
+    int rows_per_group;
+    std::ptrdiff_t row_stride;
+};
+
+// Of an approximation, over a block of rows.
+struct Residual {
+    double squared;  // sum of squares
+    float largest;   // absolute
+};
+
+// Matrices are row-major and dense: rows [count, columns], basis [terms, columns], weights [count, terms].
 struct Kernels {
     const char* name;
     // nearest [ny, nx, nz]: the smaller of what is there and the distance to the nearest triangle ahead of the node.
     void (*rasterize_slices)(const Slices& slices, float* nearest);
+    // sums [columns, columns] += rows^T rows; at least its upper triangle, the rest is undefined.
+    void (*add_gram)(const RowGroups& rows, int columns, double* sums);
+    // weights = rows basis^T
+    void (*project)(const float* rows, int count, int columns, const float* basis, int terms, float* weights);
+    // sums [terms, columns] += weights^T rows
+    void (*project_transposed)(const float* rows, int count, int columns, const float* weights, int terms, float* sums);
+    // Of weights basis - rows.
+    Residual (*residual)(const float* rows, int count, int columns, const float* weights, const float* basis, int terms);
 };
 
 }  // namespace mesoshell::simd

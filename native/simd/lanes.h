@@ -8,7 +8,9 @@
 
 namespace mesoshell::simd {
 
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+constexpr int lanes = 16;
+#elif defined(__AVX2__)
 constexpr int lanes = 8;
 #else
 constexpr int lanes = 4;
@@ -20,7 +22,9 @@ typedef float Floats __attribute__((vector_size(4 * lanes)));
 // As many lanes in twice the width: for what does not fit 32 bits.
 typedef double Doubles __attribute__((vector_size(8 * lanes)));
 
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+constexpr Ints lane_numbers = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+#elif defined(__AVX2__)
 constexpr Ints lane_numbers = {0, 1, 2, 3, 4, 5, 6, 7};
 #else
 constexpr Ints lane_numbers = {0, 1, 2, 3};
@@ -43,7 +47,9 @@ inline void store(Value* to, const Vector& vector)
 // One bit a lane: its sign.
 inline unsigned sign_bits(const Ints& vector)
 {
-#if defined(__AVX2__)
+#if defined(__AVX512F__)
+    return _mm512_movepi32_mask(reinterpret_cast<__m512i>(vector));
+#elif defined(__AVX2__)
     return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(vector)));
 #else
     return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(vector)));

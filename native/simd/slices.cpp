@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "kernels.h"
+#include "functions.h"
 #include "lanes.h"
 
 namespace mesoshell::simd {
@@ -332,6 +332,8 @@ void rasterize_large(const Slices& slices, const Triangle& triangle, float* near
     }
 }
 
+}  // namespace
+
 void rasterize_slices(const Slices& slices, float* nearest)
 {
     const int groups = (slices.nz + lanes - 1) / lanes;
@@ -343,12 +345,4 @@ void rasterize_slices(const Slices& slices, float* nearest)
     }
 }
 
-constexpr Kernels kernels{MESOSHELL_INSTRUCTION_SET, rasterize_slices};
-
-}  // namespace
 }  // namespace mesoshell::simd
-
-extern "C" const mesoshell::simd::Kernels* MESOSHELL_KERNELS_NAME()
-{
-    return &mesoshell::simd::kernels;
-}

@@ -89,6 +89,13 @@ private:
     shader::Tolerance tolerance_;
 };
 
+// Nodes of the azimuth along the weights and the eigenmaps; 0 where they have no such axis.
+glm::vec2 azimuth_axes(const Map& map)
+{
+    const auto axis = [](int azimuths) { return azimuths > 1 ? static_cast<float>(azimuths) : 0.0f; };
+    return glm::vec2(axis(map.weight_azimuths()), axis(map.eigen_azimuths()));
+}
+
 void check_sdf(const Map& map)
 {
     if (map.sdf.empty()) {
@@ -122,9 +129,9 @@ ShellParams complete_params(const ShellParams& settings, const Map& map, const g
     ShellParams params = settings;
     params.eye_object = glm::vec4(eye_of(clip_from_object));
     params.gdm_nodes = glm::vec4(glm::vec3(map.resolution.nodes), static_cast<float>((map.terms + 3) / 4));
-    params.gdm_directions = glm::vec4(map.resolution.ntheta, map.resolution.nphi, 0.0f, 0.0f);
+    params.gdm_directions = glm::vec4(map.resolution.ntheta, azimuth_axes(map), 0.0f);
     params.sdf_nodes = glm::vec4(glm::vec3(map.sdf_nodes), 0.0f);
-    params.tile = glm::vec4(map.height, map.aspect, 0.0f, 0.0f);
+    params.tile = glm::vec4(map.height, map.aspect, map.layout == Layout::share ? 1.0f : 0.0f, 0.0f);
     return params;
 }
 
@@ -191,8 +198,10 @@ std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_tex
     shader::Tile tile;
     tile.scale = glm::vec3(1.0f, map.aspect, map.height);
     tile.gdm_nodes = glm::vec3(map.resolution.nodes);
-    tile.gdm_directions = glm::vec2(map.resolution.ntheta, map.resolution.nphi);
+    tile.gdm_polar = static_cast<float>(map.resolution.ntheta);
+    tile.gdm_azimuths = azimuth_axes(map);
     tile.gdm_groups = (map.terms + 3) / 4;
+    tile.gdm_shares = map.layout == Layout::share;
     tile.sdf_nodes = glm::vec3(0.0f);
     std::vector<float> distances(pos_texture.size());
     for (std::size_t i = 0; i < distances.size(); ++i) {

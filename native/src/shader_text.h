@@ -70,34 +70,32 @@ inline Prism prism_of(const PrismTexels& t)
     return make_prism(t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7]);
 }
 
-inline vec4 fetch_gdm_weights(vec3 node, int group)
+// Four terms of a stack of arrays [terms, azimuths, ny, nx].
+inline vec4 fetch_terms(const std::vector<float>& stack, int terms, int group, glm::ivec3 nodes, const Bracket& x, const Bracket& y,
+                        const Bracket& azimuth)
 {
-    const Map& map = *fetched_map;
-    const glm::ivec3& nodes = map.resolution.nodes;
-    const std::size_t slice = static_cast<std::size_t>(map.resolution.nphi) * nodes.y * nodes.x;
-    const Bracket x = periodic_bracket(node.x, nodes.x);
-    const Bracket y = periodic_bracket(node.y, nodes.y);
-    const Bracket phi = periodic_bracket(node.z, map.resolution.nphi);
+    const std::size_t slice = static_cast<std::size_t>(nodes.x) * nodes.y * nodes.z;
     vec4 four(0.0f);
-    for (int i = 0; i < 4 && 4 * group + i < map.terms; ++i) {
-        four[i] = trilinear(map.weights.data() + (4 * group + i) * slice, nodes.x, nodes.y, x, y, phi);
+    for (int i = 0; i < 4 && 4 * group + i < terms; ++i) {
+        four[i] = trilinear(stack.data() + (4 * group + i) * slice, nodes.x, nodes.y, x, y, azimuth);
     }
     return four;
 }
 
-inline vec4 fetch_gdm_eigenmaps(vec2 node, int group)
+inline vec4 fetch_gdm_weights(vec3 node, int group)
 {
     const Map& map = *fetched_map;
-    const int nz = map.resolution.nodes.z;
-    const std::size_t slice = static_cast<std::size_t>(map.resolution.ntheta) * nz;
-    const Bracket z = clamped_bracket(node.x, nz);
-    const Bracket theta = clamped_bracket(node.y, map.resolution.ntheta);
-    const Bracket only{0, 0, 0.0f};
-    vec4 four(0.0f);
-    for (int i = 0; i < 4 && 4 * group + i < map.terms; ++i) {
-        four[i] = trilinear(map.eigenmaps.data() + (4 * group + i) * slice, nz, map.resolution.ntheta, z, theta, only);
-    }
-    return four;
+    const glm::ivec3 nodes(map.resolution.nodes.x, map.resolution.nodes.y, map.weight_azimuths());
+    return fetch_terms(map.weights, map.terms, group, nodes, periodic_bracket(node.x, nodes.x), periodic_bracket(node.y, nodes.y),
+                       periodic_bracket(node.z, nodes.z));
+}
+
+inline vec4 fetch_gdm_eigenmaps(vec3 node, int group)
+{
+    const Map& map = *fetched_map;
+    const glm::ivec3 nodes(map.resolution.nodes.z, map.resolution.ntheta, map.eigen_azimuths());
+    return fetch_terms(map.eigenmaps, map.terms, group, nodes, clamped_bracket(node.x, nodes.x), clamped_bracket(node.y, nodes.y),
+                       periodic_bracket(node.z, nodes.z));
 }
 
 inline float fetch_sdf(vec3 node)

@@ -1,6 +1,7 @@
 #include "store_format.h"
 
 #include <cstdio>
+#include <utility>
 
 namespace mesoshell::store {
 
@@ -13,8 +14,11 @@ std::vector<Part> parts_of(const Map& map)
 {
     const GdmResolution& r = map.resolution;
     std::vector<Part> parts{
-        {"gdm.weights", "Y", "tile widths", {map.terms, r.nphi, r.nodes.y, r.nodes.x}, &map.weights},
-        {"gdm.eigenmaps", "Y", "tile widths", {1, map.terms, r.ntheta, r.nodes.z}, &map.eigenmaps}};
+        {"gdm.weights", "Y", "tile widths", {map.terms, map.weight_azimuths(), r.nodes.y, r.nodes.x}, &map.weights},
+        {"gdm.eigenmaps", "Y", "tile widths", {map.terms, map.eigen_azimuths(), r.ntheta, r.nodes.z}, &map.eigenmaps}};
+    if (map.layout != Layout::nodes) {
+        std::swap(parts[1].shape.rows, parts[1].shape.columns);
+    }
     if (!map.sdf.empty()) {
         parts.push_back({"sdf", "Y", "tile widths", {1, map.sdf_nodes.z, map.sdf_nodes.y, map.sdf_nodes.x}, &map.sdf});
     }

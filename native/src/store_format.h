@@ -14,6 +14,10 @@ namespace mesoshell::store {
 constexpr int format_version = 2;
 constexpr int oldest_version = 1;
 
+// In the order of Layout and Precision. Files that do not say theirs have the paper's layout, and the precision of their channels.
+constexpr const char* layout_names[] = {"paper", "share", "nodes"};
+constexpr const char* precision_names[] = {"byte", "half", "float"};
+
 // An array's dimensions, with leading ones: [rows of slices, columns of slices, slice height, slice width].
 struct Shape {
     int rows = 1;

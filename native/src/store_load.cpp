@@ -43,20 +43,30 @@ public:
         }
         const Imf::Header& header = file_.header(*weights_part);
         Map map = read_settings(header);
+        const Imf::Channel* channel = header.channels().findChannel("Y");
+        const bool is_half = channel != nullptr && channel->type == Imf::HALF;
+        map.layout = static_cast<Layout>(choice(header, "mesoshell:layout", layout_names, 0));
+        map.precision = static_cast<Precision>(choice(header, "mesoshell:precision", precision_names, is_half ? 1 : 2));
+        if ((map.precision == Precision::single) == is_half) {
+            refuse("its precision does not fit its channels");
+        }
+        const bool by_nodes = map.layout == Layout::nodes;
         const Shape weights = read_shape(*weights_part);
-        const Shape eigenmaps = read_shape(*eigenmaps_part);
-        if (weights.rows != eigenmaps.columns || eigenmaps.rows != 1 || std::min(eigenmaps.height, eigenmaps.width) < 2 ||
-            std::min(weights.height, weights.width) < 2) {
+        Shape eigenmaps = read_shape(*eigenmaps_part);
+        const Shape eigenmaps_in_file = eigenmaps;
+        if (!by_nodes) {
+            std::swap(eigenmaps.rows, eigenmaps.columns);
+        }
+        if (weights.rows != eigenmaps.rows || (by_nodes ? weights : eigenmaps).columns != 1 ||
+            std::min(eigenmaps.height, eigenmaps.width) < 2 || std::min(weights.height, weights.width) < 2) {
             refuse("its weights and eigenmaps do not belong together");
         }
         map.terms = weights.rows;
-        map.resolution.nphi = weights.columns;
+        map.resolution.nphi = by_nodes ? eigenmaps.columns : weights.columns;
         map.resolution.nodes = glm::ivec3(weights.width, weights.height, eigenmaps.width);
         map.resolution.ntheta = eigenmaps.height;
-        const Imf::Channel* channel = header.channels().findChannel("Y");
-        map.precision = channel != nullptr && channel->type == Imf::HALF ? Precision::half : Precision::single;
         map.weights = read_part(*weights_part, weights, "Y", map);
-        map.eigenmaps = read_part(*eigenmaps_part, eigenmaps, "Y", map);
+        map.eigenmaps = read_part(*eigenmaps_part, eigenmaps_in_file, "Y", map);
         if (const std::optional<int> part = find("sdf")) {
             const Shape sdf = read_shape(*part);
             if (sdf.rows != 1 || std::min(sdf.columns, std::min(sdf.height, sdf.width)) < 2) {
@@ -82,6 +92,21 @@ private:
             refuse(std::string("it has no attribute ") + name);
         }
         return found->value();
+    }
+
+    // Index of the name that an attribute holds; `otherwise` where there is no such attribute.
+    template <std::size_t count>
+    int choice(const Imf::Header& header, const char* attribute, const char* const (&names)[count], int otherwise) const
+    {
+        const auto* found = header.findTypedAttribute<Imf::StringAttribute>(attribute);
+        if (found == nullptr) {
+            return otherwise;
+        }
+        const auto* name = std::find_if(names, names + count, [&](const char* known) { return found->value() == known; });
+        if (name == names + count) {
+            refuse(std::string(attribute) + " is '" + found->value() + "'");
+        }
+        return static_cast<int>(name - names);
     }
 
     std::optional<int> find(const std::string& name) const

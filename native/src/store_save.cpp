@@ -56,7 +56,7 @@ Imf::Header make_header(const Map& map, const Part& part, const Imath::Box2i& di
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const char channel : std::string(part.channels)) {
         header.channels().insert(std::string(1, channel),
-                                 Imf::Channel(map.precision == Precision::half ? Imf::HALF : Imf::FLOAT));
+                                 Imf::Channel(map.precision == Precision::single ? Imf::FLOAT : Imf::HALF));
     }
     header.insert("mesoshell:version", Imf::IntAttribute(format_version));
     header.insert("mesoshell:shape", Imf::StringAttribute(part.shape.text()));
@@ -66,12 +66,14 @@ Imf::Header make_header(const Map& map, const Part& part, const Imath::Box2i& di
     header.insert("mesoshell:aspect", Imf::FloatAttribute(map.aspect));
     header.insert("mesoshell:rmse", Imf::FloatAttribute(map.rmse));
     header.insert("mesoshell:maxError", Imf::FloatAttribute(map.max_error));
+    header.insert("mesoshell:layout", Imf::StringAttribute(layout_names[static_cast<int>(map.layout)]));
+    header.insert("mesoshell:precision", Imf::StringAttribute(precision_names[static_cast<int>(map.precision)]));
     return header;
 }
 
 void write_part(Imf::MultiPartOutputFile& file, int index, const Map& map, const Part& part)
 {
-    const bool half = map.precision == Precision::half;
+    const bool half = map.precision != Precision::single;
     const std::string channels = part.channels;
     const std::size_t size = half ? sizeof(Imath::half) : sizeof(float);
     const std::size_t pixel = size * channels.size();

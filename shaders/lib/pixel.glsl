@@ -15,8 +15,10 @@ Tile tile_of(ShellParams p)
     Tile tile;
     tile.scale = vec3(1.0f, p.tile.y, p.tile.x);
     tile.gdm_nodes = vec3(p.gdm_nodes.x, p.gdm_nodes.y, p.gdm_nodes.z);
-    tile.gdm_directions = vec2(p.gdm_directions.x, p.gdm_directions.y);
+    tile.gdm_polar = p.gdm_directions.x;
+    tile.gdm_azimuths = vec2(p.gdm_directions.y, p.gdm_directions.z);
     tile.gdm_groups = int(p.gdm_nodes.w);
+    tile.gdm_shares = p.tile.z > 0.5f;
     tile.sdf_nodes = vec3(p.sdf_nodes.x, p.sdf_nodes.y, p.sdf_nodes.z);
     return tile;
 }

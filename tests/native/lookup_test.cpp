@@ -40,9 +40,10 @@ double interpolate(std::span<const double> values, const std::array<Axis, n>& ax
 }
 
 // A map of random terms: no symmetry hides an exchanged axis.
-Map random_map(int terms, Random& random)
+Map random_map(int terms, Random& random, Layout layout = Layout::paper)
 {
     Map map;
+    map.layout = layout;
     map.resolution.nodes = glm::ivec3(6, 4, 5);
     map.resolution.ntheta = 7;
     map.resolution.nphi = 9;
@@ -50,8 +51,8 @@ Map random_map(int terms, Random& random)
     map.aspect = 1.3f;
     map.terms = terms;
     map.precision = Precision::single;
-    map.weights.resize(static_cast<std::size_t>(terms) * 9 * 4 * 6);
-    map.eigenmaps.resize(static_cast<std::size_t>(terms) * 7 * 5);
+    map.weights.resize(static_cast<std::size_t>(terms) * map.weight_azimuths() * 4 * 6);
+    map.eigenmaps.resize(static_cast<std::size_t>(terms) * map.eigen_azimuths() * 7 * 5);
     map.sdf_nodes = glm::ivec3(5, 8, 4);
     map.sdf.resize(5 * 8 * 4);
     for (std::vector<float>* values : {&map.weights, &map.eigenmaps, &map.sdf}) {
@@ -62,15 +63,21 @@ Map random_map(int terms, Random& random)
     return map;
 }
 
-// The raw GDM that the terms stand for, [nphi, ny, nx, ntheta, nz].
+// What the terms sum to, [nphi, ny, nx, ntheta, nz].
 std::vector<double> multiplied_out(const Map& map)
 {
-    const std::size_t rows = 9 * 4 * 6;
+    const std::size_t nodes = 4 * 6;
     const std::size_t columns = 7 * 5;
-    std::vector<double> values(rows * columns, 0.0);
+    const bool by_nodes = map.layout == Layout::nodes;
+    std::vector<double> values(9 * nodes * columns, 0.0);
     for (std::size_t k = 0; k < static_cast<std::size_t>(map.terms); ++k) {
-        for (std::size_t i = 0; i < rows * columns; ++i) {
-            values[i] += double(map.weights[k * rows + i / columns]) * double(map.eigenmaps[k * columns + i % columns]);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const std::size_t column = i % columns;
+            const std::size_t node = i / columns % nodes;
+            const std::size_t phi = i / columns / nodes;
+            const std::size_t weight = by_nodes ? k * nodes + node : (k * 9 + phi) * nodes + node;
+            const std::size_t eigenmap = by_nodes ? (k * 9 + phi) * columns + column : k * columns + column;
+            values[i] += double(map.weights[weight]) * double(map.eigenmaps[eigenmap]);
         }
     }
     return values;
@@ -83,10 +90,10 @@ double lookup_error(int terms)
     return 5 * 8 * 0x1p-21 * 1.4 * terms;
 }
 
-void check_gdm(int terms, std::uint32_t seed)
+void check_gdm(int terms, std::uint32_t seed, Layout layout = Layout::paper)
 {
     Random random(seed);
-    const Map map = random_map(terms, random);
+    const Map map = random_map(terms, random, layout);
     const std::vector<double> raw = multiplied_out(map);
     const std::array<Axis, 5> axes{Axis{9, true}, {4, true}, {6, true}, {7, false}, {5, false}};
     std::vector<glm::vec3> points;
@@ -124,6 +131,33 @@ TEST(LookupGdm, TermsThatFillNoGroupOfFour)
     check_gdm(3, 3);
     check_gdm(5, 4);
     check_gdm(10, 5);
+}
+
+TEST(LookupGdm, AzimuthAlongTheEigenmaps)
+{
+    check_gdm(1, 11, Layout::nodes);
+    check_gdm(7, 12, Layout::nodes);
+}
+
+TEST(LookupGdm, SharesOfTheWayOutOfTheSlab)
+{
+    // Terms that sum to 1/4 everywhere: a quarter of the way, but never more than a quarter of the horizon's distance.
+    Random random(13);
+    Map map = random_map(1, random, Layout::share);
+    std::fill(map.weights.begin(), map.weights.end(), 0.5f);
+    std::fill(map.eigenmaps.begin(), map.eigenmaps.end(), 0.5f);
+    int near_horizon = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const glm::vec3 point(random.in_box({-1.0, -1.0, 0.0}, {2.0, 2.0, 1.0}));
+        glm::dvec3 dir = random.direction();
+        dir.z *= i % 2 == 0 ? 1.0 : 0.01;
+        const glm::vec3 given(glm::normalize(dir));
+        const double way = given.z > 0.0f ? (1.0 - point.z) * 0.6 / given.z : point.z * 0.6 / -given.z;
+        const double expected = std::min(way, static_cast<double>(horizon_distance)) / 4.0;
+        near_horizon += way > horizon_distance ? 1 : 0;
+        ASSERT_NEAR(lookup_gdm(map, {&point, 1}, {&given, 1})[0], expected, 1e-5 * (1.0 + expected)) << i;
+    }
+    EXPECT_GT(near_horizon, 100);
 }
 
 TEST(LookupGdm, NodesHoldTheirValues)

@@ -20,7 +20,7 @@ def check_map(tile_map):
 
 
 def check_size(terms, resolution, directions, sdf_shape):
-    """Raise ValueError where a map of this size would need a texture larger than GPUs take."""
+    """Raise ValueError where a map of this size would need a texture larger than GPUs take, whatever its layout."""
     layers = -(-terms // 4) * (directions[1] + 1)
     if max(layers, resolution[0] + 1, resolution[1] + 1, *sdf_shape) > MOST_LAYERS:
         raise ValueError(f"the map needs textures of more than {MOST_LAYERS} layers: "
@@ -36,15 +36,19 @@ def prism_table(prisms):
 
 
 def gdm_weights(weights):
-    """RGBA16F [groups * (nphi + 1), ny + 1, nx + 1, 4] from weights [terms, nphi, ny, nx]; four terms a texel."""
-    grouped = _groups_of_four(weights)  # [groups, nphi, ny, nx, 4]
-    padded = numpy.pad(grouped, ((0, 0), (0, 1), (0, 1), (0, 1), (0, 0)), mode="wrap")
+    """RGBA16F [groups * layers, ny + 1, nx + 1, 4] from weights [terms, azimuths, ny, nx]; four terms a texel.
+
+    A layer is an azimuth; where there is more than one, the first is repeated behind the last.
+    """
+    grouped = _groups_of_four(weights)  # [groups, azimuths, ny, nx, 4]
+    padded = numpy.pad(grouped, ((0, 0), _repeated(weights), (0, 1), (0, 1), (0, 0)), mode="wrap")
     return numpy.ascontiguousarray(padded.reshape(-1, *padded.shape[2:]))
 
 
 def gdm_eigenmaps(eigenmaps):
-    """RGBA16F [groups, ntheta, nz, 4] from eigenmaps [terms, ntheta, nz]; four terms a texel."""
-    return numpy.ascontiguousarray(_groups_of_four(eigenmaps))
+    """RGBA16F [groups * layers, ntheta, nz, 4] from eigenmaps [terms, azimuths, ntheta, nz]; likewise."""
+    grouped = numpy.pad(_groups_of_four(eigenmaps), ((0, 0), _repeated(eigenmaps), (0, 0), (0, 0), (0, 0)), mode="wrap")
+    return numpy.ascontiguousarray(grouped.reshape(-1, *grouped.shape[2:]))
 
 
 def sdf_volume(sdf):
@@ -55,6 +59,10 @@ def sdf_volume(sdf):
 def hull_corners(prism_count):
     """uint32 [6 * prism_count]: the vertex attribute `corner`."""
     return numpy.arange(6 * prism_count, dtype=numpy.uint32)
+
+
+def _repeated(terms):
+    return (0, 1 if terms.shape[1] > 1 else 0)
 
 
 def _groups_of_four(terms):

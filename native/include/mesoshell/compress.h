@@ -9,7 +9,16 @@
 
 namespace mesoshell {
 
-enum class Precision { half, single };
+// Every value of a `half` map is one that a 16-bit float holds, so that storing and drawing change nothing. In a `byte` map the
+// larger factor of the SVD holds whole numbers from -127 to 127 besides, and its scale is with the other factor.
+enum class Precision { byte, half, single };
+
+// Which matrix is decomposed.
+enum class Layout {
+    paper,  // rows (phi, y, x), columns (theta, z)
+    share,  // likewise; eigenmaps hold shares of the distance to the end of the slab, which a lookup knows exactly
+    nodes,  // rows (y, x), columns (phi, theta, z)
+};
 
 // A baked tile, as it is stored, drawn and rendered.
 struct Map {
@@ -17,25 +26,39 @@ struct Map {
     float height = 0.0f;
     float aspect = 1.0f;
     int terms = 0;
-    std::vector<float> weights;    // [terms, nphi, ny, nx]
-    std::vector<float> eigenmaps;  // [terms, ntheta, nz]
+    Layout layout = Layout::paper;
+    std::vector<float> weights;    // [terms, weight_azimuths, ny, nx]
+    std::vector<float> eigenmaps;  // [terms, eigen_azimuths, ntheta, nz]
     glm::ivec3 sdf_nodes{0};       // (mx, my, mz); all 0 without a distance field
     std::vector<float> sdf;        // [mz, my, mx], tile widths, negative inside
     float rmse = 0.0f;             // of the terms as stored against the raw GDM, over the grid, tile widths
     float max_error = 0.0f;        // the largest of them, tile widths
-    // Half: every value above is one that a 16-bit float holds, so that storing and drawing change nothing.
     Precision precision = Precision::half;
+
+    int weight_azimuths() const { return layout == Layout::nodes ? 1 : resolution.nphi; }
+    int eigen_azimuths() const { return layout == Layout::nodes ? resolution.nphi : 1; }
 };
 
 struct CompressOptions {
-    int terms = 16;         // 1 to the number of columns, ntheta times nz
+    int terms = 16;         // 1 to the number of columns or, if there are fewer, rows
     float max_rmse = 0.0f;  // tile widths; positive: the fewest terms that reach it, `terms` unused
-    Precision precision = Precision::half;
+    Precision precision = Precision::byte;
+    Layout layout = Layout::paper;
 };
 
-// Rows are (phi, y, x), columns (theta, z); exact eigenvectors of the Gram matrix, no sampling.
+// Bytes of the terms of a map, each number in its own precision: 1, 2 or 4 bytes.
+double term_bytes(const GdmResolution& resolution, const CompressOptions& options);
+
+// The layouts `paper` and `share` take the exact eigenvectors of the Gram matrix, `nodes` those of a subspace iteration (Halko et
+// al. 2011, algorithm 4.4). `share` weighs errors by the inverse of the distance to the end of the slab.
 // `sdf` may be null. Throws InvalidArgument for options out of range, a max_rmse that rounding alone exceeds, or an SDF of another
 // tile; Cancelled.
 Map compress(const Gdm& gdm, const Sdf* sdf, const CompressOptions& options, Job& job);
+
+// bake_gdm and compress without the raw GDM ever being whole in memory: blocks of azimuths stream through both, and are baked
+// again for every pass where `memory` (bytes, over all that the call allocates) does not hold them all. The layout `nodes`
+// needs them all. Throws as bake_gdm and compress do, and InvalidArgument where `memory` is too little.
+Map bake_map(const Sample& sample, const GdmResolution& resolution, Engine engine, const Sdf* sdf, const CompressOptions& options,
+             double memory, Job& job);
 
 }  // namespace mesoshell

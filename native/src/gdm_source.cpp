@@ -1,0 +1,52 @@
+#include "gdm_source.h"
+
+#include <algorithm>
+
+#include "gdm_baker.h"
+
+namespace mesoshell {
+
+std::size_t azimuth_size(const GdmResolution& r)
+{
+    return static_cast<std::size_t>(r.nodes.x) * r.nodes.y * r.nodes.z * r.ntheta;
+}
+
+void GdmInMemory::walk(Job& job, float begin, float end, float, const Use& use)
+{
+    job.stage(begin, end);
+    use(0, gdm_.resolution.nphi, gdm_.values.data());
+}
+
+GdmBakedInBlocks::GdmBakedInBlocks(const GdmBaker& baker, const GdmResolution& resolution, float height, float aspect,
+                                   double bytes)
+    : baker_(baker), resolution_(resolution), height_(height), aspect_(aspect)
+{
+    const double each = sizeof(float) * static_cast<double>(azimuth_size(resolution));
+    const int most = static_cast<int>(std::clamp(bytes / each, 1.0, static_cast<double>(resolution.nphi)));
+    // Blocks of one size, as far as that goes: an odd small one at the end would bake the poles for little.
+    const int count = (resolution.nphi + most - 1) / most;
+    block_ = (resolution.nphi + count - 1) / count;
+}
+
+void GdmBakedInBlocks::walk(Job& job, float begin, float end, float share, const Use& use)
+{
+    if (kept_) {
+        job.stage(begin, end);
+        use(0, resolution_.nphi, values_.data());
+        return;
+    }
+    values_.resize(azimuth_size(resolution_) * static_cast<std::size_t>(block_));
+    for (int first = 0; first < resolution_.nphi; first += block_) {
+        const int count = std::min(block_, resolution_.nphi - first);
+        const auto at = [&](double azimuth) {
+            return begin + (end - begin) * static_cast<float>(azimuth / resolution_.nphi);
+        };
+        job.stage(at(first), at(first + count * share));
+        baker_.bake(first, count, values_.data(), job);
+        job.stage(at(first + count * share), at(first + count));
+        use(first, count, values_.data());
+    }
+    kept_ = block_ == resolution_.nphi;
+}
+
+}  // namespace mesoshell
