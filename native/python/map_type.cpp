@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bake_arguments.h"
 #include "mesoshell/compress.h"
+#include "mesoshell/measure.h"
 #include "mesoshell/render.h"
 #include "mesoshell/store.h"
 #include "run.h"
@@ -18,7 +19,7 @@ struct Named {
 };
 
 constexpr Named<Precision> precisions[] = {{"byte", Precision::byte}, {"half", Precision::half}, {"float", Precision::single}};
-constexpr Named<Layout> layouts[] = {{"paper", Layout::paper}, {"share", Layout::share}, {"nodes", Layout::nodes}};
+constexpr Named<Layout> layouts[] = {{"paper", Layout::paper}, {"share", Layout::share}, {"nodes", Layout::nodes}, {"auto", Layout::automatic}};
 
 template <typename Choice, std::size_t count>
 PyObject* name_of(const Named<Choice> (&named)[count], Choice choice)
@@ -189,7 +190,7 @@ struct CompressArguments {
     PyObject* sdf = Py_None;
     PyObject* terms = Py_None;
     PyObject* max_rmse = Py_None;
-    const char* layout = "paper";
+    const char* layout = "auto";
     const char* precision = "byte";
 
     CompressOptions options() const
@@ -203,6 +204,7 @@ struct CompressArguments {
         if (terms != Py_None) {
             const long wanted = PyLong_AsLong(terms);
             options.terms = static_cast<int>(std::clamp(wanted, -1L, 1L << 30));
+            options.terms = wanted == 0 ? -1 : options.terms;  // a number of terms, not the default
         }
         if (max_rmse != Py_None) {
             options.max_rmse = static_cast<float>(PyFloat_AsDouble(max_rmse));
@@ -286,14 +288,45 @@ PyObject* py_term_bytes(PyObject* module, PyObject* args, PyObject* kwargs)
         static const char* names[] = {"resolution", "directions", "terms", "layout", "precision", nullptr};
         BakeArguments bake;
         CompressArguments arguments;
-        CompressOptions options;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "|$OOiss:term_bytes", const_cast<char**>(names), &bake.resolution,
-                                         &bake.directions, &options.terms, &arguments.layout, &arguments.precision)) {
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "|$OOOss:term_bytes", const_cast<char**>(names), &bake.resolution,
+                                         &bake.directions, &arguments.terms, &arguments.layout, &arguments.precision)) {
             return nullptr;
         }
-        options.layout = choice_of(layouts, "layout", arguments.layout);
-        options.precision = choice_of(precisions, "precision", arguments.precision);
-        return PyFloat_FromDouble(term_bytes(bake.checked_resolution(state), options));
+        const GdmResolution resolution = bake.checked_resolution(state);
+        CompressOptions options = arguments.options();
+        options.layout = options.layout == Layout::automatic ? Layout::nodes : options.layout;
+        options.terms = options.terms == 0 ? default_terms(resolution, options.layout, options.precision) : options.terms;
+        return Py_BuildValue("(di)", term_bytes(resolution, options), options.terms);
+    });
+}
+
+PyObject* py_measure(PyObject* module, PyObject* args, PyObject* kwargs)
+{
+    ModuleState& state = state_of_module(module);
+    return guarded(state, [&]() -> PyObject* {
+        static const char* names[] = {"map", "sample", "rays", "count", "seed", "threads", "progress", nullptr};
+        PyObject* map = nullptr;
+        PyObject* sample = nullptr;
+        const char* rays = "off_grid";
+        int count = 100000;
+        unsigned int seed = 1;
+        int threads = 0;
+        PyObject* progress = nullptr;
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!O!|$siIiO:measure", const_cast<char**>(names), state.map_type, &map,
+                                         state.sample_type, &sample, &rays, &count, &seed, &threads, &progress)) {
+            return nullptr;
+        }
+        constexpr Named<RaySet> sets[] = {{"on_grid", RaySet::on_grid}, {"off_grid", RaySet::off_grid}};
+        const RaySet set = choice_of(sets, "rays", rays);
+        const auto held_map = unbox<Map>(map);
+        const auto held_sample = unbox<Sample>(sample);
+        Job job(threads);
+        const ErrorReport report =
+            run(job, progress, [&] { return measure(*held_map, *held_sample, set, count, seed, job); });
+        return Py_BuildValue("{s:L,s:d,s:d,s:d,s:d,s:d,s:d,s:d,s:d}", "rays", static_cast<long long>(report.rays), "rmse", report.rmse,
+                             "median", report.median, "percentile_95", report.percentile_95, "percentile_99",
+                             report.percentile_99, "largest", report.largest, "hits", report.hits, "false_hits",
+                             report.false_hits, "false_misses", report.false_misses);
     });
 }
 
@@ -309,16 +342,20 @@ PyObject* py_load(PyObject* module, PyObject* path)
 
 PyMethodDef functions[] = {
     {"compress", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_compress)), METH_VARARGS | METH_KEYWORDS,
-     "compress(gdm, *, sdf=None, terms=16, max_rmse=None, layout='paper', precision='byte', threads=0, progress=None)\n--\n\n"
+     "compress(gdm, *, sdf=None, terms=None, max_rmse=None, layout='auto', precision='byte', threads=0, progress=None)\n--\n\n"
      "A Map of the GDM's truncated SVD and the distance field; max_rmse in tile widths picks the fewest terms."},
     {"bake_map", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_bake_map)), METH_VARARGS | METH_KEYWORDS,
-     "bake_map(sample, *, resolution=(64, 64, 32), directions=(16, 32), engine='auto', sdf=None, terms=16, max_rmse=None, "
-     "layout='paper', precision='byte', memory=0, threads=0, progress=None)\n--\n\n"
+     "bake_map(sample, *, resolution=(64, 64, 32), directions=(16, 32), engine='auto', sdf=None, terms=None, max_rmse=None, "
+     "layout='auto', precision='byte', memory=0, threads=0, progress=None)\n--\n\n"
      "bake_gdm and compress in at most `memory` bytes (0: a quarter of the machine's), the raw GDM streaming through in blocks of "
      "azimuths."},
     {"term_bytes", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_term_bytes)), METH_VARARGS | METH_KEYWORDS,
-     "term_bytes(*, resolution=(64, 64, 32), directions=(16, 32), terms=16, layout='paper', precision='byte')\n--\n\n"
-     "Bytes of a map's terms before they are packed into a file."},
+     "term_bytes(*, resolution=(64, 64, 32), directions=(16, 32), terms=None, layout='nodes', precision='byte')\n--\n\n"
+     "(bytes of a map's terms before they are packed into a file, number of terms)."},
+    {"measure", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_measure)), METH_VARARGS | METH_KEYWORDS,
+     "measure(map, sample, *, rays='off_grid', count=100000, seed=1, threads=0, progress=None)\n--\n\n"
+     "Error report of a map against Embree on its sample, over random rays: a dict of lengths in tile widths (rmse, median, "
+     "percentile_95, percentile_99, largest) and shares of the rays (hits, false_hits, false_misses)."},
     {"load", py_load, METH_O, "load(path)\n--\n\nRead a map. Raises OSError, or Error for a file that is no map."},
     {nullptr, nullptr, 0, nullptr},
 };

@@ -32,6 +32,18 @@ void check_options(const GdmResolution& r, float height, float aspect, const Sdf
     }
 }
 
+// What the caller left open, decided.
+CompressOptions complete(CompressOptions options, const GdmResolution& resolution, bool holds_all)
+{
+    if (options.layout == Layout::automatic) {
+        options.layout = holds_all ? Layout::nodes : Layout::paper;
+    }
+    if (options.terms == 0) {
+        options.terms = default_terms(resolution, options.layout, options.precision);
+    }
+    return options;
+}
+
 Map empty_map(const GdmResolution& resolution, float height, float aspect, const CompressOptions& options)
 {
     Map map;
@@ -59,17 +71,21 @@ double bytes_beside(const GdmResolution& r, const CompressOptions& options)
 {
     const double nodes = static_cast<double>(r.nodes.x) * r.nodes.y;
     const double columns = static_cast<double>(r.ntheta) * r.nodes.z;
-    const double gram = sizeof(double) * columns * columns * (columns <= 1024 ? 18 : 7);  // lanes of sums, matrix, vectors
-    const double weights = 2.0 * sizeof(float) * options.terms * nodes * r.nphi;
     const double inside = 2.0 * nodes * r.nodes.z;
     const double slices = 16.0 * sizeof(float) * nodes * r.nodes.z;  // a layer of distances a thread
+    if (options.layout == Layout::nodes) {
+        return inside + slices + 5.0 * sizeof(float) * (options.terms + 12) * (nodes + columns * r.nphi);
+    }
+    const double gram = sizeof(double) * columns * columns * (columns <= 1024 ? 18 : 7);  // lanes of sums, matrix, vectors
+    const double weights = 2.0 * sizeof(float) * options.terms * nodes * r.nphi;
     return gram + weights + inside + slices;
 }
 
 }  // namespace
 
-Map compress(const Gdm& gdm, const Sdf* sdf, const CompressOptions& options, Job& job)
+Map compress(const Gdm& gdm, const Sdf* sdf, const CompressOptions& given, Job& job)
 {
+    const CompressOptions options = complete(given, gdm.resolution, true);
     check_options(gdm.resolution, gdm.height, gdm.aspect, sdf, options);
     Map map = empty_map(gdm.resolution, gdm.height, gdm.aspect, options);
     if (options.layout == Layout::nodes) {
@@ -82,13 +98,15 @@ Map compress(const Gdm& gdm, const Sdf* sdf, const CompressOptions& options, Job
     return map;
 }
 
-Map bake_map(const Sample& sample, const GdmResolution& resolution, Engine engine, const Sdf* sdf, const CompressOptions& options,
+Map bake_map(const Sample& sample, const GdmResolution& resolution, Engine engine, const Sdf* sdf, const CompressOptions& given,
              double memory, Job& job)
 {
     check_resolution(resolution);
-    check_options(resolution, sample.height(), sample.aspect(), sdf, options);
     const double azimuth = sizeof(float) * static_cast<double>(azimuth_size(resolution));
     const double whole = azimuth * resolution.nphi;
+    const CompressOptions by_nodes = complete(given, resolution, true);
+    const CompressOptions options = complete(given, resolution, memory - bytes_beside(resolution, by_nodes) >= whole);
+    check_options(resolution, sample.height(), sample.aspect(), sdf, options);
     const double left = memory - bytes_beside(resolution, options);
     const double least = options.layout == Layout::nodes ? whole : azimuth;
     if (!(left >= least)) {

@@ -89,6 +89,21 @@ std::vector<float> distance_basis(const Map& map, int eigen_azimuth)
     return basis;
 }
 
+int default_terms(const GdmResolution& r, Layout layout, Precision precision)
+{
+    constexpr int paper_terms = 16;
+    constexpr int most_layers = 2048;  // of a 3D texture, four terms a layer and one azimuth repeated
+    const int columns = r.ntheta * r.nodes.z;
+    if (layout != Layout::nodes) {
+        return std::min(paper_terms, columns);
+    }
+    const auto bytes = [&](Layout of, int terms) { return term_bytes(r, {terms, 0.0f, precision, of}); };
+    const double affordable = bytes(Layout::paper, paper_terms) / bytes(Layout::nodes, 1);
+    const double drawable = 4.0 * (most_layers / (r.nphi + 1));
+    const double most = std::min(static_cast<double>(r.nodes.x) * r.nodes.y, static_cast<double>(columns) * r.nphi);
+    return static_cast<int>(std::max(1.0, std::min({affordable, drawable, most})));
+}
+
 double term_bytes(const GdmResolution& r, const CompressOptions& options)
 {
     const double nodes = static_cast<double>(r.nodes.x) * r.nodes.y;

@@ -281,5 +281,38 @@ TEST_F(CompressLayouts, TermsOfEachLayout)
     EXPECT_EQ(term_bytes(r, options(Layout::nodes, Precision::single, 3)), 4.0 * 3 * (nodes + azimuths * columns));
 }
 
+// What is left open: the layout whose errors are smallest, as many terms as the paper's 16 have bytes, textures of 2048 layers.
+TEST_F(CompressLayouts, Defaults)
+{
+    Job job;
+    const Map map = compress(gdm, nullptr, CompressOptions{}, job);
+    EXPECT_EQ(map.layout, Layout::nodes);
+    EXPECT_EQ(map.precision, Precision::byte);
+    GdmResolution paper;
+    const double bytes = term_bytes(paper, options(Layout::paper, Precision::byte, 16));
+    const int terms = default_terms(paper, Layout::nodes, Precision::byte);
+    EXPECT_LE(term_bytes(paper, options(Layout::nodes, Precision::byte, terms)), bytes);
+    EXPECT_GT(term_bytes(paper, options(Layout::nodes, Precision::byte, terms + 1)), bytes);
+    EXPECT_EQ(default_terms(paper, Layout::paper, Precision::half), 16);
+    GdmResolution many = paper;
+    many.nphi = 200;
+    many.nodes = glm::ivec3(256, 256, 32);
+    EXPECT_LE(default_terms(many, Layout::nodes, Precision::byte) / 4 * 201, 2048);
+    EXPECT_EQ(default_terms(many, Layout::nodes, Precision::byte), 40);
+}
+
+// Where memory does not hold a raw GDM, the paper's layout streams.
+TEST_F(CompressLayouts, DefaultsUnderALimit)
+{
+    GdmResolution r;
+    r.nodes = glm::ivec3(32, 32, 8);
+    r.ntheta = 4;
+    r.nphi = 64;  // 8.4 MB
+    for (const auto& [memory, layout] : {std::pair(1e8, Layout::nodes), {1.2e7, Layout::paper}}) {
+        Job job;
+        EXPECT_EQ(bake_map(*sample, r, Engine::automatic, nullptr, CompressOptions{}, memory, job).layout, layout);
+    }
+}
+
 }  // namespace
 }  // namespace mesoshell

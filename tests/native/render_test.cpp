@@ -53,6 +53,7 @@ Map bake_slab_map()
     const Gdm gdm = bake_gdm(sample, r, job);
     const Sdf sdf = bake_sdf(sample, {16, 16, 11}, job);
     CompressOptions options;
+    options.layout = Layout::paper;
     options.terms = r.ntheta * r.nodes.z;
     options.precision = Precision::single;
     return compress(gdm, &sdf, options, job);

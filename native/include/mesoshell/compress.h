@@ -18,6 +18,7 @@ enum class Layout {
     paper,  // rows (phi, y, x), columns (theta, z)
     share,  // likewise; eigenmaps hold shares of the distance to the end of the slab, which a lookup knows exactly
     nodes,  // rows (y, x), columns (phi, theta, z)
+    automatic,  // of options only: the one with the smallest errors at equal bytes, which is `nodes` where memory holds a raw GDM
 };
 
 // A baked tile, as it is stored, drawn and rendered.
@@ -40,11 +41,14 @@ struct Map {
 };
 
 struct CompressOptions {
-    int terms = 16;         // 1 to the number of columns or, if there are fewer, rows
+    int terms = 0;          // 1 to the number of columns or, if there are fewer, rows; 0: default_terms
     float max_rmse = 0.0f;  // tile widths; positive: the fewest terms that reach it, `terms` unused
     Precision precision = Precision::byte;
-    Layout layout = Layout::paper;
+    Layout layout = Layout::automatic;
 };
+
+// The paper's 16 terms, or as many of another layout as have the bytes of those, and fit textures of 2048 layers.
+int default_terms(const GdmResolution& resolution, Layout layout, Precision precision);
 
 // Bytes of the terms of a map, each number in its own precision: 1, 2 or 4 bytes.
 double term_bytes(const GdmResolution& resolution, const CompressOptions& options);
