@@ -23,7 +23,8 @@ namespace {
 constexpr int block_voxels = voxels_a_side * voxels_a_side * voxels_a_side;
 constexpr int most_cells_away = 128;
 
-// A cell some cells away from that where rays start: which of its voxels they can reach, and after how many leap units at least.
+// A cell some cells away from that where rays start: which of its voxels they can reach, and after how many leap units at
+// least.
 struct Block {
     std::uint64_t reach = 0;
     glm::ivec3 offset{0};  // along u and v modulo the cells of the tile
@@ -53,8 +54,8 @@ int quantized(double distance, int limit)
     return std::clamp(static_cast<int>(std::floor(distance / leap_unit)), 0, limit);
 }
 
-// Where vectors from a point of a cell to a point of a box end: the box less the cell. `from` and `to` are counted in voxels from
-// the cell's lower corner. Places are only known up to rounding, so it is larger by the slack.
+// Where vectors from a point of a cell to a point of a box end: the box less the cell. `from` and `to` are counted in voxels
+// from the cell's lower corner. Places are only known up to rounding, so it is larger by the slack.
 Bounds difference(const Tile& tile, const glm::ivec3& from, const glm::ivec3& to)
 {
     const glm::dvec3 voxel = tile.side / double(voxels_a_side);
@@ -220,6 +221,23 @@ float lookup_leap(const Leaps& leaps, const glm::vec3& pos_texture, const glm::v
     const glm::vec3 cell = place * glm::vec3(leaps.cells);
     const glm::ivec3 inside(glm::clamp(cell, glm::vec3(0.0f), glm::vec3(leaps.cells - 1)));
     return leap_unit * static_cast<float>(leaps.values[leaps.index(octahedral_bin(dir_metric, leaps.directions), inside)]);
+}
+
+std::vector<float> lookup_leaps(const Leaps& leaps, std::span<const glm::vec3> pos_texture, std::span<const glm::vec3> dir_metric)
+{
+    if (pos_texture.size() != dir_metric.size()) {
+        throw InvalidArgument("there are " + std::to_string(pos_texture.size()) + " positions and " +
+                              std::to_string(dir_metric.size()) + " directions; give one direction for each position");
+    }
+    std::vector<float> bounds(pos_texture.size());
+    for (std::size_t i = 0; i < bounds.size(); ++i) {
+        const float length = glm::length(dir_metric[i]);
+        if (!(length > 0.0f) || !std::isfinite(length) || !std::isfinite(glm::length(pos_texture[i]))) {
+            throw InvalidArgument("ray " + std::to_string(i) + " is not finite or has no direction; leave it out");
+        }
+        bounds[i] = lookup_leap(leaps, pos_texture[i], dir_metric[i]);
+    }
+    return bounds;
 }
 
 }  // namespace mesoshell

@@ -118,8 +118,8 @@ void FacingBins::facing(const glm::dvec3& area_vector, BinSet& bins) const
 {
     std::fill(bins.words.begin(), bins.words.end(), 0);
     const bool all = area_vector == glm::dvec3(0.0);
-    // Directions of a bin are sums of its corners: where one is negative, so is a corner. No slack here: what rounding puts into
-    // another bin, so near to parallel, meets the front only from a place on it.
+    // Directions of a bin are sums of its corners: where one is negative, so is a corner. No slack here: what rounding puts
+    // into another bin, so near to parallel, meets the front only from a place on it.
     std::vector<std::uint8_t> faces(nodes_.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         faces[i] = all || glm::dot(area_vector, nodes_[i]) < 0.0 ? 1 : 0;

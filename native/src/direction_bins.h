@@ -9,8 +9,8 @@
 
 namespace mesoshell {
 
-// Lengths and cosines of directions are trusted to this: what the shader text's rounding may put on the other side of a border.
-// Tile widths where it is a length.
+// Lengths and cosines of directions are trusted to this: what the shader text's rounding may put on the other side of a
+// border. Tile widths where it is a length.
 constexpr double bin_slack = 1e-5;
 
 // A box.
@@ -26,8 +26,8 @@ public:
 
     const std::array<glm::dvec3, 4>& corners() const { return corners_; }
 
-    // A lower bound on the length of the vectors of the cone, at most `limit` long, that end in the box; `limit` where there are
-    // none. Exact where the end nearest to the cone's apex is in the cone, or lies on one face of the box alone.
+    // A lower bound on the length of the vectors of the cone, at most `limit` long, that end in the box; `limit` where there
+    // are none. Exact where the end nearest to the cone's apex is in the cone, or lies on one face of the box alone.
     double distance(const Bounds& box, double limit) const;
 
     // No vector of the cone ends in the box; if false, some may.

@@ -45,8 +45,8 @@ bool overlap(const Triangle& triangle, const glm::dvec3& center, const glm::dvec
     return true;
 }
 
-// Visits the unit boxes, larger by `slack` on every side, of [lower, upper) that a triangle touches: halving, so that the cost is
-// that of the boxes found and not of the triangle's own box.
+// Visits the unit boxes, larger by `slack` on every side, of [lower, upper) that a triangle touches: halving, so that the
+// cost is that of the boxes found and not of the triangle's own box.
 template <typename Visit>
 void for_each_voxel(const Triangle& triangle, const glm::ivec3& lower, const glm::ivec3& upper, const glm::dvec3& slack,
                     const Job& job, const Visit& visit)

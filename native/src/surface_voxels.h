@@ -17,9 +17,10 @@ constexpr int voxels_a_side = 4;
 
 class SurfaceVoxels {
 public:
-    // directions: side of the octahedral map. Voxels are closed boxes, some 1e-5 tile widths larger than they are, and the test of
-    // triangle against box is exact: no point of the surface lies in a voxel without a mark. A front that turns away from every
-    // direction of a bin leaves no mark there, where the winding number says that rays from outside meet fronts first.
+    // directions: side of the octahedral map. Voxels are closed boxes, some 1e-5 tile widths larger than they are, and the
+    // test of triangle against box is exact: no point of the surface lies in a voxel without a mark. A front that turns away
+    // from every direction of a bin leaves no mark there, where the winding number says that rays from outside meet fronts
+    // first.
     SurfaceVoxels(const Sample& sample, const glm::ivec3& cells, int directions, Job& job);
 
     // For a bin: the marked voxels of every cell [cz, cy, cx]; voxel (x, y, z) of a cell is bit (z 4 + y) 4 + x.

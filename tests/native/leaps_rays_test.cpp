@@ -29,11 +29,13 @@ Mesh strand(const glm::vec3& from, const glm::vec3& to, float radius)
 {
     Mesh mesh;
     const glm::vec3 along = glm::normalize(to - from);
-    const glm::vec3 across = glm::normalize(glm::cross(along, std::abs(along.z) < 0.9f ? glm::vec3(0, 0, 1) : glm::vec3(1, 0, 0)));
+    const glm::vec3 other = std::abs(along.z) < 0.9f ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(1.0f, 0.0f, 0.0f);
+    const glm::vec3 across = glm::normalize(glm::cross(along, other));
     for (const glm::vec3& end : {from, to}) {
         for (int i = 0; i < 3; ++i) {
             const float angle = 2.0943951f * static_cast<float>(i);
-            mesh.positions.push_back(end + radius * (std::cos(angle) * across + std::sin(angle) * glm::cross(along, across)));
+            const glm::vec3 out = std::cos(angle) * across + std::sin(angle) * glm::cross(along, across);
+            mesh.positions.push_back(end + radius * out);
         }
     }
     mesh.triangles = {{0, 2, 1}, {3, 4, 5}};
@@ -120,7 +122,8 @@ glm::vec3 start_of_rays(const Sample& sample, bool close, Random& random)
     if (!close) {
         return glm::vec3(random.in_box(glm::dvec3(0.0), glm::dvec3(1.0)));
     }
-    const glm::uvec3& t = sample.triangles()[static_cast<std::size_t>(random.below(static_cast<int>(sample.triangles().size())))];
+    const int count = static_cast<int>(sample.triangles().size());
+    const glm::uvec3& t = sample.triangles()[static_cast<std::size_t>(random.below(count))];
     const double u = random.uniform(0.0, 1.0);
     const double v = random.uniform(0.0, 1.0 - u);
     const glm::dvec3 a(sample.positions()[t.x]);
@@ -128,7 +131,7 @@ glm::vec3 start_of_rays(const Sample& sample, bool close, Random& random)
     const glm::dvec3 c(sample.positions()[t.z]);
     const glm::dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
     const glm::dvec3 point = a + u * (b - a) + v * (c - a) + normal * std::exp(random.uniform(-10.0, -2.0));
-    return glm::vec3(glm::fract(point.x), glm::fract(point.y / sample.aspect()), std::clamp(point.z / sample.height(), 0.0, 1.0));
+    return {glm::fract(point.x), glm::fract(point.y / sample.aspect()), std::clamp(point.z / sample.height(), 0.0, 1.0)};
 }
 
 // Casts some rays and counts those that a bound is too large for.
@@ -252,8 +255,8 @@ double nearest_of_cone(const BinCone& cone, const glm::dvec3& lower, const glm::
     return off > 1e-5 ? std::numeric_limits<double>::infinity() : glm::length(x);
 }
 
-// The shortest ray from a cell, in a bin, that ends in one of the points or a copy of one. What lies in the way of such a ray
-// would end it sooner, so that nobody has to look.
+// The shortest ray from a cell, in a bin, that ends in one of the points or a copy of one. What lies in the way of such a
+// ray would end it sooner, so that nobody has to look.
 double shortest_ray(const Leaps& leaps, const glm::vec3& corner, int bin, const std::vector<glm::vec3>& points)
 {
     const glm::dvec3 scale(1.0, leaps.aspect, leaps.height);
@@ -262,7 +265,8 @@ double shortest_ray(const Leaps& leaps, const glm::vec3& corner, int bin, const 
     double shortest = 255.0 * leap_unit;
     for (const glm::vec3& point : points) {
         for (int copy = 0; copy < 9; ++copy) {
-            const glm::dvec3 upper = glm::dvec3(point) + glm::dvec3(copy % 3 - 1, copy / 3 - 1, 0) * scale - glm::dvec3(corner) * side;
+            const glm::dvec3 end = glm::dvec3(point) + glm::dvec3(copy % 3 - 1, copy / 3 - 1, 0) * scale;
+            const glm::dvec3 upper = end - glm::dvec3(corner) * side;
             const glm::dvec3 lower = upper - side;
             if (glm::length(glm::clamp(glm::dvec3(0.0), lower, upper)) < shortest && !cone.misses({lower, upper})) {
                 shortest = std::min(shortest, nearest_of_cone(cone, lower, upper));
@@ -296,8 +300,8 @@ std::vector<glm::vec3> points_of_surface(const Sample& sample, int count, Random
     return points;
 }
 
-// How near bounds are to what they bound, in cells that touch no surface. What is missing is a voxel, a quarter of a cell, and half
-// a unit.
+// How near bounds are to what they bound, in cells that touch no surface. What is missing is a voxel, a quarter of a cell,
+// and half a unit.
 void expect_tight(const Sample& sample, double least, std::uint32_t seed)
 {
     const Leaps leaps = bake(sample);

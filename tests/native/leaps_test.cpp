@@ -120,8 +120,8 @@ std::vector<Slope> slopes_of_bins(int side)
     return slopes;
 }
 
-// Of the rays from a cell below or above a plane, toward it: the distance of the nearest corner over the steepest cosine, less what
-// a voxel and the unit take.
+// Of the rays from a cell below or above a plane, toward it: the distance of the nearest corner over the steepest cosine,
+// less what a voxel and the unit take.
 void check_planes(float below, float above, float height, float aspect, const LeapResolution& resolution)
 {
     const Leaps leaps = bake(slab(below, above, aspect).sample(height, aspect), resolution);

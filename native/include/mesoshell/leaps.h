@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -24,10 +25,10 @@ struct Leaps {
     int directions = 0;
     float height = 0.0f;
     float aspect = 1.0f;
-    // [directions * directions, cz, cy, cx], in leap units. A ray of metric texture space that starts anywhere in the cell, but
-    // not in the solid, with a direction anywhere in the bin, meets no surface within the slab before it has gone this far. No
-    // bound is larger than 255, whether there is a surface beyond it or none; nor, where a side of a cell is less than 1/128,
-    // than 128 of it.
+    // [directions * directions, cz, cy, cx], in leap units. A ray of metric texture space that starts anywhere in the cell,
+    // but not in the solid, with a direction anywhere in the bin, meets no surface within the slab before it has gone this
+    // far. No bound is larger than 255, whether there is a surface beyond it or none; nor, where a side of a cell is less
+    // than 1/128, than 128 of it.
     std::vector<std::uint8_t> values;
 
     std::size_t index(int bin, const glm::ivec3& cell) const
@@ -42,8 +43,11 @@ Leaps bake_leaps(const Sample& sample, const LeapResolution& resolution, Job& jo
 // The bin of a direction of metric texture space (not zero): octahedral_bin of shaders/lib/octahedral.glsl.
 int octahedral_bin(const glm::vec3& dir_metric, int directions);
 
-// The bound, in tile widths, of a ray from a point of texture space along a direction of metric texture space (not zero), as a
-// traversal finds it: periodic along u and v, clamped along w.
+// The bound, in tile widths, of a ray from a point of texture space along a direction of metric texture space (not zero), as
+// a traversal finds it: periodic along u and v, clamped along w.
 float lookup_leap(const Leaps& leaps, const glm::vec3& pos_texture, const glm::vec3& dir_metric);
+
+// The same of many rays. Throws InvalidArgument for spans of different lengths and what is not finite or zero.
+std::vector<float> lookup_leaps(const Leaps& leaps, std::span<const glm::vec3> pos_texture, std::span<const glm::vec3> dir_metric);
 
 }  // namespace mesoshell
