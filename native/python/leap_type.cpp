@@ -49,7 +49,8 @@ PyObject* leaps_lookup(PyObject* self, PyObject* args)
 PyGetSetDef leaps_attributes[] = {
     {"values", leaps_values, nullptr, "uint8 [directions ** 2, cz, cy, cx], in units", nullptr},
     {"unit", [](PyObject*, void*) { return PyFloat_FromDouble(leap_unit); }, nullptr, "tile widths", nullptr},
-    {"height", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).height); }, nullptr, "tile widths", nullptr},
+    {"height", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).height); }, nullptr, "tile widths",
+     nullptr},
     {"aspect", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).aspect); }, nullptr, "pv / pu", nullptr},
     {"cells", leaps_cells, nullptr, "(cx, cy, cz)", nullptr},
     {"directions", [](PyObject* self, void*) { return PyLong_FromLong(self_of(self).directions); }, nullptr,
@@ -59,8 +60,8 @@ PyGetSetDef leaps_attributes[] = {
 
 PyMethodDef leaps_methods[] = {
     {"lookup", leaps_lookup, METH_VARARGS,
-     "lookup(pos_texture, dir_metric)\n--\n\nThe bounds of rays: float32 [n], tile widths, of positions [n, 3] and directions "
-     "[n, 3], as a traversal finds them."},
+     "lookup(pos_texture, dir_metric)\n--\n\nThe bounds of rays: float32 [n], tile widths, of positions [n, 3] and "
+     "directions [n, 3], as a traversal finds them."},
     {nullptr, nullptr, 0, nullptr},
 };
 

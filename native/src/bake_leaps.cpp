@@ -223,7 +223,8 @@ float lookup_leap(const Leaps& leaps, const glm::vec3& pos_texture, const glm::v
     return leap_unit * static_cast<float>(leaps.values[leaps.index(octahedral_bin(dir_metric, leaps.directions), inside)]);
 }
 
-std::vector<float> lookup_leaps(const Leaps& leaps, std::span<const glm::vec3> pos_texture, std::span<const glm::vec3> dir_metric)
+std::vector<float> lookup_leaps(const Leaps& leaps, std::span<const glm::vec3> pos_texture,
+                                std::span<const glm::vec3> dir_metric)
 {
     if (pos_texture.size() != dir_metric.size()) {
         throw InvalidArgument("there are " + std::to_string(pos_texture.size()) + " positions and " +

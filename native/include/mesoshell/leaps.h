@@ -48,6 +48,7 @@ int octahedral_bin(const glm::vec3& dir_metric, int directions);
 float lookup_leap(const Leaps& leaps, const glm::vec3& pos_texture, const glm::vec3& dir_metric);
 
 // The same of many rays. Throws InvalidArgument for spans of different lengths and what is not finite or zero.
-std::vector<float> lookup_leaps(const Leaps& leaps, std::span<const glm::vec3> pos_texture, std::span<const glm::vec3> dir_metric);
+std::vector<float> lookup_leaps(const Leaps& leaps, std::span<const glm::vec3> pos_texture,
+                                std::span<const glm::vec3> dir_metric);
 
 }  // namespace mesoshell
