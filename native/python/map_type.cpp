@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "arrays.h"
+#include "map_parts.h"
 #include "mesoshell/compress.h"
 #include "mesoshell/render.h"
 #include "mesoshell/store.h"
@@ -56,10 +57,14 @@ PyObject* map_directions(PyObject* self, void*)
     return Py_BuildValue("(ii)", self_of(self).resolution.ntheta, self_of(self).resolution.nphi);
 }
 
-PyGetSetDef map_attributes[] = {
+PyGetSetDef map_getters[] = {
     {"weights", map_weights, nullptr, "float32 [terms, nphi, ny, nx]", nullptr},
     {"eigenmaps", map_eigenmaps, nullptr, "float32 [terms, ntheta, nz]", nullptr},
     {"sdf", map_sdf, nullptr, "float32 [mz, my, mx], tile widths, negative inside; or None", nullptr},
+    {"leaps", map_leaps, nullptr, "uint8 [directions ** 2, cz, cy, cx], in leap units; or None", nullptr},
+    {"leap_unit", [](PyObject*, void*) { return PyFloat_FromDouble(leap_unit); }, nullptr, "tile widths", nullptr},
+    {"attributes", map_attributes, nullptr,
+     "dict of float32 [nz, ny, nx, channels]: color (linear), surface (roughness, metallic), normal; or None", nullptr},
     {"height", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).height); }, nullptr, "tile widths", nullptr},
     {"aspect", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).aspect); }, nullptr, "pv / pu", nullptr},
     {"terms", [](PyObject* self, void*) { return PyLong_FromLong(self_of(self).terms); }, nullptr, "SVD terms", nullptr},
@@ -144,9 +149,9 @@ PyMethodDef map_methods[] = {
 };
 
 PyType_Slot map_slots[] = {
-    {Py_tp_doc, const_cast<char*>("A baked tile: the GDM's SVD terms and its distance field.")},
+    {Py_tp_doc, const_cast<char*>("A baked tile: the GDM's SVD terms, its distance field, its leap table and its surface's attributes.")},
     {Py_tp_dealloc, reinterpret_cast<void*>(dealloc_boxed<Map>)},
-    {Py_tp_getset, map_attributes},
+    {Py_tp_getset, map_getters},
     {Py_tp_methods, map_methods},
     {0, nullptr},
 };
@@ -158,8 +163,8 @@ PyObject* py_compress(PyObject* module, PyObject* args, PyObject* kwargs)
 {
     ModuleState& state = state_of_module(module);
     return guarded(state, [&]() -> PyObject* {
-        static const char* names[] = {"gdm",       "sdf",     "terms",    "max_rmse", "layout",
-                                      "precision", "threads", "progress", nullptr};
+        static const char* names[] = {"gdm",     "sdf",      "terms", "max_rmse",   "layout", "precision",
+                                      "threads", "progress", "leaps", "attributes", nullptr};
         PyObject* gdm = nullptr;
         PyObject* sdf = Py_None;
         PyObject* terms = Py_None;
@@ -168,8 +173,11 @@ PyObject* py_compress(PyObject* module, PyObject* args, PyObject* kwargs)
         const char* precision = "half";
         int threads = 0;
         PyObject* progress = nullptr;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOOssiO:compress", const_cast<char**>(names), state.gdm_type,
-                                         &gdm, &sdf, &terms, &max_rmse, &layout, &precision, &threads, &progress)) {
+        PyObject* leaps = Py_None;
+        PyObject* attributes = Py_None;
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOOssiOOO:compress", const_cast<char**>(names), state.gdm_type,
+                                         &gdm, &sdf, &terms, &max_rmse, &layout, &precision, &threads, &progress, &leaps,
+                                         &attributes)) {
             return nullptr;
         }
         if (std::string(layout) != "paper") {
@@ -202,8 +210,13 @@ PyObject* py_compress(PyObject* module, PyObject* args, PyObject* kwargs)
         }
         const auto held = unbox<Gdm>(gdm);
         const std::shared_ptr<const Sdf> held_sdf = sdf == Py_None ? nullptr : unbox<Sdf>(sdf);
+        const MapParts parts(state, leaps, attributes);
         Job job(threads);
-        return box(state.map_type, run(job, progress, [&] { return compress(*held, held_sdf.get(), options, job); }));
+        return box(state.map_type, run(job, progress, [&] {
+            Map map = compress(*held, held_sdf.get(), options, job);
+            parts.attach_to(map);
+            return map;
+        }));
     });
 }
 
@@ -219,8 +232,10 @@ PyObject* py_load(PyObject* module, PyObject* path)
 
 PyMethodDef functions[] = {
     {"compress", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_compress)), METH_VARARGS | METH_KEYWORDS,
-     "compress(gdm, *, sdf=None, terms=16, max_rmse=None, layout='paper', precision='half', threads=0, progress=None)\n--\n\n"
-     "A Map of the GDM's truncated SVD and the distance field; max_rmse in tile widths picks the fewest terms."},
+     "compress(gdm, *, sdf=None, terms=16, max_rmse=None, layout='paper', precision='half', threads=0, progress=None, "
+     "leaps=None, attributes=None)\n--\n\n"
+     "A Map of the GDM's truncated SVD, the distance field, the leap table and the attributes; max_rmse in tile widths picks "
+     "the fewest terms."},
     {"load", py_load, METH_O, "load(path)\n--\n\nRead a map. Raises OSError, or Error for a file that is no map."},
     {nullptr, nullptr, 0, nullptr},
 };
