@@ -16,6 +16,7 @@ struct ModuleState {
     PyTypeObject* sample_type;
     PyTypeObject* gdm_type;
     PyTypeObject* sdf_type;
+    PyTypeObject* leaps_type;
     PyTypeObject* map_type;
     PyTypeObject* shell_type;
 };
@@ -67,10 +68,13 @@ void dealloc_boxed(PyObject* self)
 int add_arrays(PyObject* module);
 int add_sample(PyObject* module);
 int add_bake(PyObject* module);
+int add_leaps(PyObject* module);
 int add_map(PyObject* module);
+int add_map_functions(PyObject* module);
 int add_shell(PyObject* module);
 int add_render(PyObject* module);
 int add_volume(PyObject* module);
+int add_attributes(PyObject* module);
 
 // Makes a heap type, stores it in `slot` and in the module under the last part of its name.
 int add_type(PyObject* module, PyType_Spec& spec, PyTypeObject*& slot);

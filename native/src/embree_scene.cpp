@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "closest_point.h"
 #include "embree_scene_api.h"
@@ -36,30 +37,37 @@ void count_filter(const RTCFilterFunctionNArguments* args)
     }
 }
 
-struct ClosestQuery {
+struct NearestQuery {
     const glm::vec3* corners;
     const glm::vec3* offsets;  // null without a lattice
     glm::vec3 point;
-    float squared;
+    NearestPoint nearest;
+    std::uint32_t copy = 0;  // of the nearest triangle
 };
 
-bool closest_callback(RTCPointQueryFunctionArguments* args)
+bool nearest_callback(RTCPointQueryFunctionArguments* args)
 {
-    auto& closest = *static_cast<ClosestQuery*>(args->userPtr);
-    const glm::vec3* corner = closest.corners + 3 * static_cast<std::size_t>(args->primID);
-    glm::vec3 point = closest.point;
-    if (closest.offsets != nullptr && args->context->instStackSize > 0) {
-        point -= closest.offsets[args->context->instID[0]];
+    auto& query = *static_cast<NearestQuery*>(args->userPtr);
+    const glm::vec3* corner = query.corners + 3 * static_cast<std::size_t>(args->primID);
+    glm::vec3 point = query.point;
+    std::uint32_t copy = 0;
+    if (query.offsets != nullptr && args->context->instStackSize > 0) {
+        copy = args->context->instID[0];
+        point -= query.offsets[copy];
     }
-    const float squared = squared_distance(point, corner[0], corner[1], corner[2]);
-    if (squared < closest.squared) {
-        closest.squared = squared;
-        args->query->radius = std::sqrt(squared);
-        return true;
+    const TrianglePoint found = closest_point(point, corner[0], corner[1], corner[2]);
+    NearestPoint& nearest = query.nearest;
+    const auto place = std::pair(args->primID, copy);
+    if (!(found.squared < nearest.squared) &&
+        !(found.squared == nearest.squared && place < std::pair(nearest.triangle, query.copy))) {
+        return false;
     }
-    return false;
+    nearest = {args->primID, found.weights, found.squared};
+    query.copy = copy;
+    // A little more than the distance, so that triangles at the same one are visited too.
+    args->query->radius = std::sqrt(found.squared) * 1.00001f + 1e-12f;
+    return true;
 }
-
 
 // Filters cost every ray a test, so only scenes that count have them.
 RTCSceneFlags flags_for(TriangleScene::Use use)
@@ -169,14 +177,20 @@ TriangleScene::Crossings TriangleScene::count_crossings(const glm::vec3& origin,
     return crossings;
 }
 
-float TriangleScene::distance(const glm::vec3& point, float limit) const
+NearestPoint TriangleScene::nearest(const glm::vec3& point, float limit) const
 {
-    ClosestQuery closest{corners_.data(), offsets_.empty() ? nullptr : offsets_.data(), point, limit * limit};
+    NearestQuery nearest{corners_.data(), offsets_.empty() ? nullptr : offsets_.data(), point, {}};
+    nearest.nearest.squared = limit * limit;
     RTCPointQuery query{point.x, point.y, point.z, 0.0f, limit};
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    rtcPointQuery(handles_->scene, &query, &context, closest_callback, &closest);
-    return std::sqrt(closest.squared);
+    rtcPointQuery(handles_->scene, &query, &context, nearest_callback, &nearest);
+    return nearest.nearest;
+}
+
+float TriangleScene::distance(const glm::vec3& point, float limit) const
+{
+    return std::sqrt(nearest(point, limit).squared);
 }
 
 const void* embree_function()

@@ -30,6 +30,12 @@ struct TriangleHit {
     glm::vec3 normal{0.0f};  // not normalized, by the triangle's winding
 };
 
+struct NearestPoint {
+    std::uint32_t triangle = ~0u;  // all ones: none
+    glm::vec2 weights{0.0f};       // of its second and third corner; the first has the rest
+    float squared = 0.0f;          // distance
+};
+
 struct EmbreeHandles;
 
 // A triangle mesh, alone or repeated on a lattice of instances.
@@ -61,6 +67,10 @@ public:
     };
     // Every surface that the ray crosses.
     Crossings count_crossings(const glm::vec3& origin, const glm::vec3& dir) const;
+
+    // Nearest of all triangles not farther away than `limit`. Of equally near ones it is the first, and of one triangle's copies
+    // the first: no matter in which order they are visited.
+    NearestPoint nearest(const glm::vec3& point, float limit) const;
 
     // Distance to the nearest triangle, at most `limit`.
     float distance(const glm::vec3& point, float limit) const;

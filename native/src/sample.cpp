@@ -9,6 +9,7 @@
 #include "periodic_mesh.h"
 #include "repair.h"
 #include "sheets.h"
+#include "slab_clip.h"
 
 namespace mesoshell {
 namespace {
@@ -17,27 +18,6 @@ namespace {
 std::string counted(std::size_t count, const std::string& thing, const std::string& verb_one, const std::string& verb_many)
 {
     return std::to_string(count) + " " + thing + (count == 1 ? " " + verb_one : "s " + verb_many);
-}
-
-// The part of a triangle on one side of a plane z = level: 0, 3 or 4 corners become up to 5 after two planes.
-std::vector<glm::vec3> clip_polygon(const std::vector<glm::vec3>& polygon, float level, float sign)
-{
-    std::vector<glm::vec3> kept;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const glm::vec3& a = polygon[i];
-        const glm::vec3& b = polygon[(i + 1) % polygon.size()];
-        const float side_a = (a.z - level) * sign;
-        const float side_b = (b.z - level) * sign;
-        if (side_a >= 0.0f) {
-            kept.push_back(a);
-        }
-        if (side_a * side_b < 0.0f) {
-            glm::vec3 crossing = glm::mix(a, b, side_a / (side_a - side_b));
-            crossing.z = level;
-            kept.push_back(crossing);
-        }
-    }
-    return kept;
 }
 
 }  // namespace
@@ -161,8 +141,7 @@ void Sample::clip_to_slab()
                        (clipped_ == 1 ? "was" : "were") + " clipped.");
     slab_positions_ = positions_;
     for (const glm::uvec3& t : triangles_) {
-        std::vector<glm::vec3> polygon{positions_[t.x], positions_[t.y], positions_[t.z]};
-        polygon = clip_polygon(clip_polygon(polygon, 0.0f, 1.0f), height_, -1.0f);
+        const std::vector<glm::vec3> polygon = part_in_slab({positions_[t.x], positions_[t.y], positions_[t.z]}, height_);
         const auto first = static_cast<std::uint32_t>(slab_positions_.size());
         slab_positions_.insert(slab_positions_.end(), polygon.begin(), polygon.end());
         for (std::uint32_t i = 2; i < polygon.size(); ++i) {

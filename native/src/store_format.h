@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,11 @@ struct Part {
     const char* channels;  // a letter each, in the order of the array's last axis; "Y" where it has none
     const char* units;
     Shape shape;
-    const std::vector<float>* values;
+    std::shared_ptr<const std::vector<float>> values;  // those of the map, which outlives the part, or its own
 };
+
+// All that parts are called.
+constexpr const char* part_names[] = {"gdm.weights", "gdm.eigenmaps", "sdf", "leaps", "color", "surface", "normal"};
 
 // The parts that a map has, first the GDM's.
 std::vector<Part> parts_of(const Map& map);

@@ -36,6 +36,7 @@ public:
 
     Map read() const
     {
+        check_names();
         const std::optional<int> weights_part = find("gdm.weights");
         const std::optional<int> eigenmaps_part = find("gdm.eigenmaps");
         if (!weights_part || !eigenmaps_part) {
@@ -75,6 +76,12 @@ public:
             map.sdf_nodes = glm::ivec3(sdf.width, sdf.height, sdf.columns);
             map.sdf = read_part(*part, sdf, "Y", map);
         }
+        if (find("color") || find("surface") || find("normal")) {
+            map.attributes = read_attributes(map);
+        }
+        if (const std::optional<int> part = find("leaps")) {
+            map.leaps = read_leaps(*part, map);
+        }
         return map;
     }
 
@@ -82,6 +89,17 @@ private:
     [[noreturn]] void refuse(const std::string& why) const
     {
         throw Error(path_ + " is not a usable map: " + why + "; bake it again");
+    }
+
+    // A part of another name is a damaged one: what may be missing must not be lost by a letter.
+    void check_names() const
+    {
+        for (int i = 0; i < file_.parts(); ++i) {
+            const std::string name = file_.header(i).hasName() ? file_.header(i).name() : "";
+            if (std::find(std::begin(part_names), std::end(part_names), name) == std::end(part_names)) {
+                refuse("it has an unknown part '" + name + "'");
+            }
+        }
     }
 
     template <typename Attribute>
@@ -137,7 +155,52 @@ private:
         return map;
     }
 
-    Shape read_shape(int part) const
+    Leaps read_leaps(int part, const Map& map) const
+    {
+        const Shape shape = read_shape(part);
+        Leaps leaps;
+        leaps.cells = glm::ivec3(shape.width, shape.height, shape.columns);
+        leaps.directions = static_cast<int>(std::lround(std::sqrt(static_cast<double>(shape.rows))));
+        leaps.height = map.height;
+        leaps.aspect = map.aspect;
+        if (leaps.directions * leaps.directions != shape.rows || leaps.directions % 2 != 0 || leaps.directions > 16 ||
+            std::max(shape.width, std::max(shape.height, shape.columns)) > 64) {
+            refuse("its leap table has a number of cells or directions that makes no sense");
+        }
+        for (const float length : read_part(part, shape, "Y", map)) {
+            const float steps = length / leap_unit;
+            if (!(steps >= 0.0f && steps <= 255.0f && steps == std::floor(steps))) {
+                refuse("its leap table holds bounds that make no sense");
+            }
+            leaps.values.push_back(static_cast<std::uint8_t>(steps));
+        }
+        return leaps;
+    }
+
+    Attributes read_attributes(const Map& map) const
+    {
+        const auto whole = [&](const char* name, const std::string& channels, glm::ivec3& nodes) {
+            const std::optional<int> part = find(name);
+            if (!part) {
+                refuse("it has only some of the parts color, surface and normal");
+            }
+            const Shape shape = read_shape(*part, static_cast<int>(channels.size()));
+            const glm::ivec3 found(shape.width, shape.height, shape.columns);
+            if (shape.rows != 1 || std::min(found.x, std::min(found.y, found.z)) < 2 ||
+                (nodes != glm::ivec3(0) && nodes != found)) {
+                refuse("its attributes have too few nodes or do not belong together");
+            }
+            nodes = found;
+            return read_part(*part, shape, channels, map);
+        };
+        Attributes attributes;
+        attributes.color = whole("color", "RGB", attributes.nodes);
+        attributes.surface = whole("surface", "RM", attributes.nodes);
+        attributes.normal = whole("normal", "XYZ", attributes.nodes);
+        return attributes;
+    }
+
+    Shape read_shape(int part, int channels = 1) const
     {
         const Imf::Header& header = file_.header(part);
         const std::string text = attribute<Imf::StringAttribute>(header, "mesoshell:shape");
@@ -157,8 +220,9 @@ private:
         // Deflate packs at most about 1030 to 1, and every 16 lines take 20 bytes beside: a small file cannot ask for much
         // memory.
         const double overhead = 20.0 * std::ceil(static_cast<double>(shape.picture_height()) / 16.0);
-        const double pixels = static_cast<double>(shape.picture_width()) * static_cast<double>(shape.picture_height());
-        if (pixels * sizeof(std::uint16_t) > 1100.0 * (static_cast<double>(file_size_) - overhead)) {
+        const double values =
+            static_cast<double>(shape.picture_width()) * static_cast<double>(shape.picture_height()) * channels;
+        if (values * sizeof(std::uint16_t) > 1100.0 * (static_cast<double>(file_size_) - overhead)) {
             refuse("it promises more data than it can hold");
         }
         return shape;

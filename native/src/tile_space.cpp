@@ -19,14 +19,19 @@ constexpr float most_copies = 1000.0f;
 
 TriangleScene::Lattice lattice_within(const Sample& sample, float reach)
 {
+    return lattice_within(sample.positions(), sample.aspect(), reach);
+}
+
+TriangleScene::Lattice lattice_within(std::span<const glm::vec3> positions, float aspect, float reach)
+{
     glm::vec3 lower(std::numeric_limits<float>::max());
     glm::vec3 upper(std::numeric_limits<float>::lowest());
-    for (const glm::vec3& p : sample.positions()) {
+    for (const glm::vec3& p : positions) {
         lower = glm::min(lower, p);
         upper = glm::max(upper, p);
     }
     TriangleScene::Lattice lattice;
-    lattice.period = glm::vec2(1.0f, sample.aspect());
+    lattice.period = glm::vec2(1.0f, aspect);
     for (int axis = 0; axis < 2; ++axis) {
         const float period = lattice.period[axis];
         const float last = std::ceil((period + reach - lower[axis]) / period);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace mesoshell {
 
 // The copies of the tile that anything within `reach` tile widths, sideways, of the unit tile may meet.
 TriangleScene::Lattice lattice_within(const Sample& sample, float reach);
+
+// The same for some other mesh with the tile's periods.
+TriangleScene::Lattice lattice_within(std::span<const glm::vec3> positions, float aspect, float reach);
 
 // Distance from z along a direction with vertical part dir_z to where it leaves the slab; at most horizon_distance.
 float slab_exit(float z, float dir_z, float height);

@@ -91,6 +91,31 @@ inline Map small_map(Precision precision, bool with_sdf, std::uint32_t seed = 1)
     return map;
 }
 
+// The same with a leap table and attributes.
+inline Map map_with_all_parts(Precision precision, std::uint32_t seed = 1)
+{
+    Random random(seed + 1000);
+    Map map = small_map(precision, true, seed);
+    map.leaps.cells = glm::ivec3(3, 5, 2);
+    map.leaps.directions = 4;
+    map.leaps.height = map.height;
+    map.leaps.aspect = map.aspect;
+    map.leaps.values.resize(16 * 2 * 5 * 3);
+    for (std::uint8_t& value : map.leaps.values) {
+        value = static_cast<std::uint8_t>(random.below(256));
+    }
+    map.attributes.nodes = glm::ivec3(4, 3, 6);
+    map.attributes.color.resize(72 * 3);
+    map.attributes.surface.resize(72 * 2);
+    map.attributes.normal.resize(72 * 3);
+    for (std::vector<float>* values : {&map.attributes.color, &map.attributes.surface, &map.attributes.normal}) {
+        for (float& value : *values) {
+            value = static_cast<float>(random.below(1024)) / (precision == Precision::half ? 1024.0f : 1023.0f);
+        }
+    }
+    return map;
+}
+
 // Every number the same, bit for bit.
 inline void expect_same_map(const Map& a, const Map& b)
 {
@@ -104,6 +129,15 @@ inline void expect_same_map(const Map& a, const Map& b)
     EXPECT_EQ(a.eigenmaps, b.eigenmaps);
     EXPECT_EQ(a.sdf_nodes, b.sdf_nodes);
     EXPECT_EQ(a.sdf, b.sdf);
+    EXPECT_EQ(a.leaps.cells, b.leaps.cells);
+    EXPECT_EQ(a.leaps.directions, b.leaps.directions);
+    EXPECT_EQ(a.leaps.height, b.leaps.height);
+    EXPECT_EQ(a.leaps.aspect, b.leaps.aspect);
+    EXPECT_EQ(a.leaps.values, b.leaps.values);
+    EXPECT_EQ(a.attributes.nodes, b.attributes.nodes);
+    EXPECT_EQ(a.attributes.color, b.attributes.color);
+    EXPECT_EQ(a.attributes.surface, b.attributes.surface);
+    EXPECT_EQ(a.attributes.normal, b.attributes.normal);
     EXPECT_EQ(a.rmse, b.rmse);
     EXPECT_EQ(a.max_error, b.max_error);
     EXPECT_EQ(a.precision, b.precision);

@@ -7,6 +7,8 @@
 
 #include "camera.h"
 #include "check.h"
+#include "mesoshell/attributes.h"
+#include "mesoshell/leaps.h"
 #include "mesoshell/realize.h"
 #include "mesoshell/render.h"
 #include "meshes.h"
@@ -99,6 +101,16 @@ TEST(JobCancel, BakeSdf)
     check_cancelling([](Job& job) { bake_sdf(ball().sample(0.6f), glm::ivec3(192), job); });
 }
 
+TEST(JobCancel, BakeLeaps)
+{
+    check_cancelling([](Job& job) { bake_leaps(ball().sample(0.6f), {glm::ivec3(64), 16}, job); });
+}
+
+TEST(JobCancel, ClosestPoints)
+{
+    check_cancelling([](Job& job) { closest_points(ball().sample(0.6f), glm::ivec3(192), job); });
+}
+
 TEST(JobCancel, Compress)
 {
     const Gdm gdm = raw_gdm(64, 16, 12);
@@ -128,6 +140,8 @@ TEST(JobCancel, BeforeTheStart)
     const View view = Camera(true, {0, 0, 3}, {0, 0, 0}, 0.55, {64, 64}).view();
     EXPECT_THROW(bake_gdm(sample, gdm_grid(64, 16, 32), job), Cancelled);
     EXPECT_THROW(bake_sdf(sample, glm::ivec3(64), job), Cancelled);
+    EXPECT_THROW(bake_leaps(sample, {}, job), Cancelled);
+    EXPECT_THROW(closest_points(sample, glm::ivec3(64), job), Cancelled);
     EXPECT_THROW(compress(raw_gdm(8, 4, 4), nullptr, CompressOptions{}, job), Cancelled);
     EXPECT_THROW(realize(cube().shell(0.1f), sample, job), Cancelled);
     EXPECT_THROW(render(cube().shell(0.1f), sphere_map(glm::ivec3(8)), view, ShellParams{}, job), Cancelled);
@@ -167,6 +181,16 @@ TEST(JobFraction, BakeGdm)
 TEST(JobFraction, BakeSdf)
 {
     check_fraction([](Job& job) { bake_sdf(ball().sample(0.6f), glm::ivec3(20), job); });
+}
+
+TEST(JobFraction, BakeLeaps)
+{
+    check_fraction([](Job& job) { bake_leaps(ball().sample(0.6f), {glm::ivec3(8), 8}, job); });
+}
+
+TEST(JobFraction, ClosestPoints)
+{
+    check_fraction([](Job& job) { closest_points(ball().sample(0.6f), glm::ivec3(20), job); });
 }
 
 TEST(JobFraction, Compress)

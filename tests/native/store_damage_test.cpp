@@ -50,7 +50,7 @@ TEST(StoreDamage, Truncated)
 {
     const TemporaryFolder folder;
     for (const Precision precision : {Precision::half, Precision::single}) {
-        const Map map = small_map(precision, true);
+        const Map map = map_with_all_parts(precision);
         save_map(map, folder.file("whole.exr"));
         const std::string bytes = read_bytes(folder.file("whole.exr"));
         for (std::size_t i = 0; i < 50; ++i) {
@@ -65,19 +65,19 @@ TEST(StoreDamage, Truncated)
 TEST(StoreDamage, FlippedBytes)
 {
     const TemporaryFolder folder;
-    const Map map = small_map(Precision::half, true);
+    const Map map = map_with_all_parts(Precision::half);
     save_map(map, folder.file("whole.exr"));
     const std::string whole = read_bytes(folder.file("whole.exr"));
     Random random(2);
     int refused = 0;
-    for (int i = 0; i < 600; ++i) {
+    for (int i = 0; i < 1200; ++i) {
         std::string bytes = whole;
         char& byte = bytes[static_cast<std::size_t>(random.below(static_cast<int>(whole.size())))];
         byte = static_cast<char>(byte ^ (i % 2 == 0 ? 1 << random.below(8) : 1 + random.below(255)));
         write_bytes(folder.file("flipped.exr"), bytes);
         refused += load_damaged(folder.file("flipped.exr"), map) == Outcome::refused ? 1 : 0;
     }
-    EXPECT_GT(refused, 300);
+    EXPECT_GT(refused, 600);
 }
 
 TEST(StoreDamage, EveryByteOfTheHeaders)
@@ -303,9 +303,10 @@ TEST(StoreDamage, ValuesThatAreNotFinite)
 {
     const TemporaryFolder folder;
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-        for (int i = 0; i < 3; ++i) {
-            Map map = small_map(Precision::single, true);
-            std::vector<float>* const arrays[3] = {&map.weights, &map.eigenmaps, &map.sdf};
+        for (int i = 0; i < 6; ++i) {
+            Map map = map_with_all_parts(Precision::single);
+            std::vector<float>* const arrays[6] = {&map.weights,          &map.eigenmaps,          &map.sdf,
+                                                   &map.attributes.color, &map.attributes.surface, &map.attributes.normal};
             arrays[i]->back() = bad;
             save_map(map, folder.file("tile.exr"));
             expect_refusal<Error>([&] { load_map(folder.file("tile.exr")); }, {"not a usable map", "not finite"});
@@ -313,12 +314,77 @@ TEST(StoreDamage, ValuesThatAreNotFinite)
     }
 }
 
+// Whole files, whose checksums are right, of tables that no bake makes.
+TEST(StoreDamage, LeapTablesThatMakeNoSense)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    const auto save_with = [&](int directions, const glm::ivec3& cells) {
+        Map map = small_map(Precision::single, true);
+        map.leaps.directions = directions;
+        map.leaps.cells = cells;
+        map.leaps.values.resize(map.leaps.index(directions * directions, glm::ivec3(0)));
+        save_map(map, path);
+    };
+    save_with(16, {64, 1, 1});
+    EXPECT_EQ(load_map(path).leaps.directions, 16);
+    for (const int directions : {3, 18}) {
+        save_with(directions, {2, 2, 2});
+        expect_refusal<Error>([&] { load_map(path); }, {"leap table", "directions"});
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        glm::ivec3 cells(2);
+        cells[axis] = 65;
+        save_with(2, cells);
+        expect_refusal<Error>([&] { load_map(path); }, {"leap table", "cells"});
+    }
+}
+
+// The file's bytes with the name of a part changed in its header to one as long.
+std::string with_part_renamed(std::string bytes, const std::string& name, const std::string& other)
+{
+    std::string attribute("name\0string\0", 12);
+    attribute += std::string{static_cast<char>(name.size()), '\0', '\0', '\0'};
+    const std::size_t at = bytes.find(attribute + name);
+    if (at == std::string::npos) {
+        throw std::runtime_error("no part " + name);
+    }
+    return bytes.replace(at + attribute.size(), name.size(), other);
+}
+
+TEST(StoreDamage, PartsWithAnotherName)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    save_map(map_with_all_parts(Precision::half), path);
+    const std::string whole = read_bytes(path);
+    for (const std::string name : {"gdm.weights", "gdm.eigenmaps", "sdf", "leaps", "color", "surface", "normal"}) {
+        std::string other = name;
+        other.back() = 'X';
+        write_bytes(path, with_part_renamed(whole, name, other));
+        expect_refusal<Error>([&] { load_map(path); }, {"not a usable map", other.c_str()});
+    }
+}
+
+TEST(StoreDamage, AttributesThatAreNotAllThere)
+{
+    const TemporaryFolder folder;
+    const std::string path = folder.file("tile.exr");
+    Map map = map_with_all_parts(Precision::half);
+    map.leaps = {};
+    save_map(map, path);
+    const std::string whole = read_bytes(path);
+    // "color" goes by the name of a part that this map does not have.
+    write_bytes(path, with_part_renamed(whole, "color", "leaps"));
+    expect_refusal<Error>([&] { load_map(path); }, {"only some of the parts"});
+}
+
 TEST(StoreDamage, PartsThatAreMissingOrHaveOtherChannels)
 {
     const TemporaryFolder folder;
     const std::string path = folder.file("tile.exr");
     write_parts(path, 4, 4, true,
-                [](Imf::Header& header, int part) { header.setName(part == 0 ? "gdm.weights" : "other"); });
+                [](Imf::Header& header, int part) { header.setName(part == 0 ? "gdm.weights" : "sdf"); });
     expect_refusal<Error>([&] { load_map(path); }, {"gdm.eigenmaps"});
     write_parts(path, 4, 4, true, [](Imf::Header& header, int) {
         header.channels() = Imf::ChannelList();

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <csignal>
 #include <filesystem>
+#include <limits>
 #include <thread>
 #include <vector>
 
@@ -50,6 +51,78 @@ TEST(Store, LoadsABakedMap)
         save_map(map, folder.file("tile.exr"));
         expect_same_map(load_map(folder.file("tile.exr")), map);
     }
+}
+
+TEST(Store, LoadsAllPartsThatWereSaved)
+{
+    const TemporaryFolder folder;
+    for (const Precision precision : {Precision::half, Precision::single}) {
+        const Map map = map_with_all_parts(precision);
+        save_map(map, folder.file("tile.exr"));
+        expect_same_map(load_map(folder.file("tile.exr")), map);
+        // Leaps without attributes, and the other way round.
+        Map other = map;
+        other.attributes = {};
+        save_map(other, folder.file("tile.exr"));
+        expect_same_map(load_map(folder.file("tile.exr")), other);
+        other = map;
+        other.leaps = {};
+        save_map(other, folder.file("tile.exr"));
+        expect_same_map(load_map(folder.file("tile.exr")), other);
+    }
+}
+
+TEST(Store, LoadsABakedLeapTable)
+{
+    Job job;
+    const Sample sample = sphere({0.5f, 0.5f, 0.3f}, 0.25f, 8, 12).sample(0.61f, 1.37f);
+    const Leaps leaps = bake_leaps(sample, {{9, 7, 5}, 6}, job);
+    const TemporaryFolder folder;
+    for (const Precision precision : {Precision::half, Precision::single}) {
+        Map map = small_map(precision, true);
+        attach(map, &leaps, nullptr);
+        save_map(map, folder.file("tile.exr"));
+        EXPECT_EQ(load_map(folder.file("tile.exr")).leaps.values, leaps.values);
+    }
+}
+
+TEST(Store, AttachedAttributesHaveThePrecisionOfTheMap)
+{
+    Attributes attributes = map_with_all_parts(Precision::single).attributes;
+    attributes.color[0] = 1.0f / 3.0f;
+    Map half = small_map(Precision::half, true);
+    attach(half, nullptr, &attributes);
+    EXPECT_EQ(half.attributes.color[0], 0.333251953125f);
+    Map single = small_map(Precision::single, true);
+    attach(single, nullptr, &attributes);
+    EXPECT_EQ(single.attributes.color, attributes.color);
+    const TemporaryFolder folder;
+    save_map(half, folder.file("tile.exr"));
+    expect_same_map(load_map(folder.file("tile.exr")), half);
+}
+
+TEST(Store, AttachRefusesWhatDoesNotBelongToTheMap)
+{
+    const Map all = map_with_all_parts(Precision::half);
+    Leaps leaps = all.leaps;
+    leaps.height *= 2.0f;
+    Map map = small_map(Precision::half, true);
+    expect_refusal<InvalidArgument>([&] { attach(map, &leaps, nullptr); }, {"leap table", "one sample"});
+    for (int i = 0; i < 3; ++i) {
+        for (const float bad : {1e6f, std::numeric_limits<float>::quiet_NaN()}) {
+            Attributes attributes = all.attributes;
+            std::vector<float>* const arrays[3] = {&attributes.color, &attributes.surface, &attributes.normal};
+            arrays[i]->back() = bad;
+            expect_refusal<InvalidArgument>([&] { attach(map, nullptr, &attributes); }, {"not finite"});
+            arrays[i]->pop_back();
+            expect_refusal<InvalidArgument>([&] { attach(map, nullptr, &attributes); }, {"values"});
+        }
+    }
+    Attributes attributes = all.attributes;
+    attributes.nodes.z = 1;
+    expect_refusal<InvalidArgument>([&] { attach(map, nullptr, &attributes); }, {"2 nodes"});
+    EXPECT_TRUE(map.leaps.values.empty());
+    EXPECT_TRUE(map.attributes.color.empty());
 }
 
 TEST(Store, ExtremeValuesSurvive)
@@ -101,8 +174,8 @@ TEST(Store, FileOfVersionOne)
 TEST(Store, SavingTwiceGivesTheSameBytes)
 {
     const TemporaryFolder folder;
-    save_map(small_map(Precision::half, true), folder.file("a.exr"));
-    save_map(small_map(Precision::half, true), folder.file("b.exr"));
+    save_map(map_with_all_parts(Precision::half), folder.file("a.exr"));
+    save_map(map_with_all_parts(Precision::half), folder.file("b.exr"));
     EXPECT_EQ(read_bytes(folder.file("a.exr")), read_bytes(folder.file("b.exr")));
 }
 
@@ -215,7 +288,7 @@ void check_full_disk(const Map& map)
 
 TEST(Store, FullDiskLeavesTheOldFile)
 {
-    check_full_disk(small_map(Precision::half, true));
+    check_full_disk(map_with_all_parts(Precision::half));
 }
 
 TEST(Store, FullDiskLeavesTheOldFileOfALargerMap)
@@ -233,12 +306,16 @@ TEST(Store, FullDiskLeavesTheOldFileOfALargerMap)
 TEST(Store, ArraysThatDoNotFitTheNodes)
 {
     const TemporaryFolder folder;
-    for (int i = 0; i < 3; ++i) {
-        Map map = small_map(Precision::half, true);
-        std::vector<float>* const arrays[3] = {&map.weights, &map.eigenmaps, &map.sdf};
+    for (int i = 0; i < 6; ++i) {
+        Map map = map_with_all_parts(Precision::half);
+        std::vector<float>* const arrays[6] = {&map.weights,          &map.eigenmaps,          &map.sdf,
+                                               &map.attributes.color, &map.attributes.surface, &map.attributes.normal};
         arrays[i]->pop_back();
         expect_refusal<InvalidArgument>([&] { save_map(map, folder.file("tile.exr")); }, {"values"});
     }
+    Map map = map_with_all_parts(Precision::half);
+    map.leaps.values.pop_back();
+    expect_refusal<InvalidArgument>([&] { save_map(map, folder.file("tile.exr")); }, {"leaps", "values"});
     expect_refusal<InvalidArgument>([&] { save_map(Map{}, folder.file("tile.exr")); }, {"values"});
     EXPECT_TRUE(folder.content().empty());
 }

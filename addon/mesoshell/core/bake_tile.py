@@ -1,4 +1,4 @@
-"""The order of the stages from a tile's arrays to a map file: sample, GDM, SDF, compress, save."""
+"""The order of the stages from a tile's arrays to a map file: sample, GDM, SDF, leaps, attributes, compress, save."""
 
 import os
 import tempfile
@@ -6,7 +6,7 @@ import time
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from . import native, packing
+from . import attributes, native, packing
 from .tile_surface import TileSurface
 
 
@@ -19,8 +19,13 @@ class BakeRequest:
     resolution: tuple = (64, 64, 32)
     directions: tuple = (16, 32)
     sdf_resolution: tuple = (64, 64, 33)
-    terms: int = 16
-    precision: str = "half"
+    leap_cells: tuple = (32, 32, 16)
+    leap_directions: int = 8
+    attribute_resolution: tuple = (64, 64, 33)
+    terms: int = 0  # as many as the paper's 16 terms have bytes
+    layout: str = "auto"
+    precision: str = "byte"
+    memory: float = 0.0  # bytes; 0: a quarter of the machine's
     threads: int = 0
 
 
@@ -29,15 +34,15 @@ class BakeResult:
     """`rmse` is the truncation's, in tile widths; `seconds` maps each stage to its wall time; `notices` are sentences."""
 
     path: str
+    layout: str
     terms: int
     rmse: float
-    ray_count: int
     seconds: dict
     notices: tuple
 
 
 # Shares of the whole, as measured on the chain tile; only the progress bar depends on them.
-_SHARES = (("gdm", 0.60), ("sdf", 0.10), ("compress", 0.28), ("save", 0.02))
+_SHARES = (("sdf", 0.07), ("leaps", 0.12), ("attributes", 0.14), ("gdm", 0.63), ("save", 0.04))
 
 
 def check_folder(path):
@@ -89,7 +94,7 @@ def bake_tile(request, progress=None):
 
         # The stages that are too quick to ask themselves still obey a cancel that came before them.
         if not inner(0.0):
-            raise module.Cancelled(f"The bake of {surface.name} was cancelled")
+            raise cancelled()
         before = time.perf_counter()
         if name == "save":  # its sentences name the file
             result = call(inner)
@@ -100,20 +105,34 @@ def bake_tile(request, progress=None):
         done = start + share
         return result
 
+    def cancelled():
+        return module.Cancelled(f"The bake of {surface.name} was cancelled")
+
+    def look_at_surface(inner):
+        def check():
+            if not inner(0.9):
+                raise cancelled()
+
+        points = module.closest_points(sample, resolution=request.attribute_resolution, threads=request.threads,
+                                       progress=lambda fraction: inner(0.9 * fraction))
+        return attributes.volumes(surface, points, check)
+
     with _naming(surface.name, module):
         packing.check_size(request.terms, request.resolution, request.directions, request.sdf_resolution)
         sample = module.Sample(surface.positions, surface.triangles, height=surface.height, aspect=surface.aspect)
-    gdm = stage("gdm", lambda inner: module.bake_gdm(
-        sample, resolution=request.resolution, directions=request.directions, threads=request.threads, progress=inner))
     sdf = stage("sdf", lambda inner: module.bake_sdf(
         sample, resolution=request.sdf_resolution, threads=request.threads, progress=inner))
-    ray_count = gdm.ray_count
-    compressed = stage("compress", lambda inner: module.compress(
-        gdm, sdf=sdf, terms=request.terms, precision=request.precision, threads=request.threads, progress=inner))
-    stage("save", lambda inner: compressed.save(request.path))
+    leaps = stage("leaps", lambda inner: module.bake_leaps(
+        sample, cells=request.leap_cells, directions=request.leap_directions, threads=request.threads, progress=inner))
+    shown = stage("attributes", look_at_surface)
+    baked = stage("gdm", lambda inner: module.bake_map(
+        sample, resolution=request.resolution, directions=request.directions, sdf=sdf, leaps=leaps, attributes=shown,
+        terms=request.terms or None, layout=request.layout, precision=request.precision, memory=request.memory,
+        threads=request.threads, progress=inner))
+    stage("save", lambda inner: baked.save(request.path))
     if progress is not None:
         progress(1.0)
-    return BakeResult(request.path, compressed.terms, compressed.rmse, ray_count, seconds, _notices(surface, sample))
+    return BakeResult(request.path, baked.layout, baked.terms, baked.rmse, seconds, _notices(surface, sample))
 
 
 def _notices(surface, sample):
