@@ -3,6 +3,7 @@
     native      tests/native, GoogleTest through CTest
     tools       tools/tests, pytest
     tiles       tests/tiles, pytest: the six tiles of blend_samples
+    core        tests/core, pytest: the add-on's core, without Blender
     gl          tests/gl, pytest with surfaceless EGL
     background  tests/blender in `blender --background`
     window      tests/blender in a Blender window under Xvfb
@@ -69,6 +70,7 @@ LAYERS = {
     "native": native,
     "tools": lambda: python("tools", REPO / "tools/tests"),
     "tiles": lambda: python("tiles", REPO / "tests/tiles"),
+    "core": lambda: python("core", REPO / "tests/core"),
     "gl": lambda: python("gl", REPO / "tests/gl"),
     "background": lambda: blender("background"),
     "window": lambda: blender("window"),
