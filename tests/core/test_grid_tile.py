@@ -80,7 +80,8 @@ def test_a_sponge_is_made_periodic(periodic, width):
 
 @pytest.mark.parametrize("values, threshold, words", [
     (np.zeros((4, 4)), 0.5, "shape"), (np.zeros((1, 4, 4)), 0.5, "two nodes"),
-    (np.zeros((4, 4, 4), complex), 0.5, "complex"), (np.zeros((4, 4, 4)), 0.5, "threshold"), (np.ones((4, 4, 4)), 0.5, "between 1 and 1"),
+    (np.zeros((4, 4, 4), complex), 0.5, "complex"), (np.zeros((4, 4, 4)), 0.5, "threshold"),
+    (np.ones((4, 4, 4)), 0.5, "between 1 and 1"),
     (np.full((4, 4, 4), np.nan), 0.5, "not finite"), (np.arange(64.0).reshape(4, 4, 4), np.nan, "threshold")])
 def test_what_is_no_grid_is_refused_by_name(values, threshold, words):
     with pytest.raises(ValueError, match=words) as caught:

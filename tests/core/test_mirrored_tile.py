@@ -1,4 +1,4 @@
-"""Laws of cutting and mirroring meshes: nothing is lost or added, what was closed stays so, halves are each other's image."""
+"""Laws of cutting and mirroring meshes: nothing is lost or added, what was closed stays so, halves are images."""
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def test_mirrored_tiles_are_closed(name):
 
 @pytest.mark.parametrize("center", [(0.5, 0.6, 0.25), (0.9, 0.6, 0.25), (0.05, 1.15, 0.25), (1.0, 0.0, 0.25)])
 def test_a_balls_mirror_images_are_whole(center):
-    """A ball in the middle, over a side, over an edge of the box, and on one: solid is what is in the box, and its images."""
+    """A ball in the middle, over a side, over an edge of the box, and on one: what is in the box is solid, in images too."""
     tile = ball(center, aspect=1.2)
     made = mirrored_tile.mirrored(tile)
     assert made.height == tile.height / 2 and made.aspect == tile.aspect

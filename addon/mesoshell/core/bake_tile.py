@@ -102,7 +102,8 @@ def bake_tile(request, progress=None):
 
     with _naming(surface.name, module):
         packing.check_size(request.terms, request.resolution, request.directions, request.sdf_resolution)
-        sample = module.Sample(surface.positions, surface.triangles, height=surface.height, aspect=surface.aspect)
+        sample = module.Sample(surface.positions, surface.triangles, height=surface.height, aspect=surface.aspect,
+                               thickness=surface.thickness)
     gdm = stage("gdm", lambda inner: module.bake_gdm(
         sample, resolution=request.resolution, directions=request.directions, threads=request.threads, progress=inner))
     sdf = stage("sdf", lambda inner: module.bake_sdf(
@@ -117,8 +118,4 @@ def bake_tile(request, progress=None):
 
 
 def _notices(surface, sample):
-    notices = list(surface.notices)
-    if sample.clipped_triangles:
-        notices.append(f'{sample.clipped_triangles} triangles of "{surface.name}" reach out of the tile\'s height and were '
-                       "clipped")
-    return tuple(notices)
+    return (*surface.notices, *(f'Tile "{surface.name}": {notice.rstrip(".")}' for notice in sample.notices))

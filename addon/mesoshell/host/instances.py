@@ -10,22 +10,28 @@ import bpy
 import numpy as np
 
 # What evaluates to a mesh, or shows copies of what does.
-SOURCE_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META', 'CURVES', 'POINTCLOUD', 'EMPTY'}
+SOURCE_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META', 'CURVES', 'POINTCLOUD', 'VOLUME', 'EMPTY'}
 _MESH_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META'}
 
 
-def visit(depsgraph, objects, see):
+def visit(depsgraph, objects, see, see_volume):
     """Calls `see(obj, matrix_world)` for each mesh that `objects` (originals) show, evaluated.
 
-    `obj` lives as long as the call. An object that is asked for alone counts even if it is hidden; among several, one
-    that is drawn as wires or bounds (a cutter, say) does not. Returns how many such were left out.
+    `obj` lives as long as the call. Volumes go to `see_volume(obj, matrix_world)`. An object that is asked for alone counts
+    even if it is hidden; among several, one that is drawn as wires or bounds (a cutter, say) does not. Returns how many such
+    were left out.
     """
     wanted = set(objects)
     seen, converted, left_out = set(), [], 0
     for instance in depsgraph.object_instances:
         obj = instance.object
         owner = instance.parent if instance.is_instance else obj
-        if owner is None or owner.original not in wanted or not instance.show_self or obj.type not in _MESH_TYPES:
+        if owner is None or owner.original not in wanted or not instance.show_self:
+            continue
+        if obj.type == 'VOLUME':
+            seen.add(owner.original)
+            see_volume(obj, np.array(instance.matrix_world, np.float64))
+        if obj.type not in _MESH_TYPES:
             continue
         if len(wanted) > 1 and obj.display_type in {'WIRE', 'BOUNDS'}:
             left_out += 1
@@ -44,6 +50,8 @@ def visit(depsgraph, objects, see):
         evaluated = owner.evaluated_get(depsgraph)
         if evaluated.type in _MESH_TYPES:
             see(evaluated, np.array(evaluated.matrix_world, np.float64))
+        elif evaluated.type == 'VOLUME':
+            see_volume(evaluated, np.array(evaluated.matrix_world, np.float64))
     return left_out
 
 

@@ -59,6 +59,7 @@ def states():
     settings.tile, torus = scenes.make_tile("SphereTile"), scenes.make_torus("MailTorus")
     view_layer.objects.active = torus
     show("a tile and a surface")
+    show_sources(settings)
     bake_state.start(until_cancelled, "Baking SphereTile")
     show("a bake that runs")
     jobs.cancel_all()
@@ -71,6 +72,26 @@ def states():
     torus.mesoshell.map_path = os.path.join(folder, "lost.exr")
     shells.visible(bpy.context.evaluated_depsgraph_get())
     show("a shell that lost its map")
+
+
+def show_sources(settings):
+    """Each source has fields of its own, and so has what is done to it."""
+    settings.source = 'SELECTION'
+    show("the selection")
+    tile, settings.source = settings.tile, 'OBJECT'
+    settings.tile = bpy.data.objects.new("Smoke", bpy.data.volumes.new("Smoke"))
+    show("a volume")
+    settings.source, settings.tile = 'COLLECTION', tile
+    settings.tile_collection = bpy.data.collections.new("Parts")
+    show("a collection")
+    settings.source, settings.copies = 'IMAGE', 3
+    settings.image = bpy.data.images.new("Relief", 4, 4)
+    show("an image that is varied")
+    settings.source, settings.copies, settings.periodic, settings.grid_path = 'FILE', 1, 'BLEND', "//grid.npy"
+    show("an array that is blended")
+    settings.grid_path = "//grid.vdb"
+    show("a file of grids")
+    settings.source, settings.periodic = 'OBJECT', 'NONE'
 
 
 def until_cancelled(progress):
