@@ -19,8 +19,7 @@ def test_panels_draw_in_every_state(native, map_file, tmp_path):
     assert not seen["errors"], "\n".join(seen["errors"][0])
     states = {"nothing active", "a tile and a surface", "the selection", "a volume", "a collection",
               "an image that is varied", "an array that is blended", "a file of grids", "a bake that runs",
-              "a bake that failed", "a shell",
-              "a shell that lost its map"}
+              "a bake that failed", "a shell", "a shell that lost its map"}
     names = {"MESOSHELL_PT_bake", "MESOSHELL_PT_bake_repetition", "MESOSHELL_PT_bake_quality", "MESOSHELL_PT_shell"}
     assert {tuple(pair) for pair in seen["drawn"]} == {(state, name) for state in states for name in names}
     # Blender prints what the layout itself refuses, such as a property that is not there.

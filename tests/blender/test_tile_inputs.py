@@ -322,7 +322,7 @@ def test_a_level_set_is_solid_below_its_threshold(part, fresh, tmp_path, thresho
     box = part("host.tile_box").TileBox("Unit", np.eye(4), np.zeros(3), np.ones(3))
     surface = part("host.tile_source").read_file(str(tmp_path / "ball.vdb"), box, fresh, options)
     center = (surface.positions.min(axis=0) + surface.positions.max(axis=0)) / 2
-    # Blender shows a voxel as a cell, not as a node: half a voxel on.
+    # Blender takes a voxel for a cell, OpenVDB for a node: half a voxel apart.
     np.testing.assert_allclose(center, 0.5, atol=0.011)
     np.testing.assert_allclose(np.linalg.norm(surface.positions - center, axis=1), 0.3 + threshold, atol=1e-3)
 
@@ -366,18 +366,39 @@ def test_volumes_that_can_not_be_baked(refusal):
     assert '"Smoke" has no grids' in refusal(tile="Smoke", box="Box")
 
 
+def add_nodes(obj, kind):
+    """A Geometry Nodes modifier with one node between input and output; the tree."""
+    tree = bpy.data.node_groups.new("Nodes", 'GeometryNodeTree')
+    for direction, sockets in (('INPUT', "inputs"), ('OUTPUT', "outputs")):
+        if hasattr(tree, "interface"):
+            tree.interface.new_socket("Geometry", in_out=direction, socket_type='NodeSocketGeometry')
+        else:
+            getattr(tree, sockets).new('NodeSocketGeometry', "Geometry")
+    into, node, out = (tree.nodes.new(name) for name in ('NodeGroupInput', kind, 'NodeGroupOutput'))
+    if node.inputs[0].type == 'GEOMETRY':
+        tree.links.new(into.outputs[0], node.inputs[0])
+    tree.links.new(node.outputs[0], out.inputs[0])
+    obj.modifiers.new("Nodes", 'NODES').node_group = tree
+    return tree
+
+
+@needs_openvdb
+def test_a_volume_whose_nodes_end_in_a_mesh_is_that_mesh(part, fresh):
+    volume, box = make_volume(), make_box()
+    expected = surface_of(part, box, volume, threshold=0.1)
+    tree = add_nodes(volume, 'GeometryNodeVolumeToMesh')
+    try:
+        surface = surface_of(part, box, volume, threshold=0.9)
+        np.testing.assert_allclose(np.sort(surface.positions, axis=0), np.sort(expected.positions, axis=0), atol=1e-5)
+    finally:
+        bpy.data.node_groups.remove(tree)
+
+
 @needs_openvdb
 def test_a_volume_that_nodes_make_is_refused(refusal):
     host = scenes.make_object("Cloud", [[0, 0, 0]], [])
     make_box()
-    tree = bpy.data.node_groups.new("Fill", 'GeometryNodeTree')
-    if hasattr(tree, "interface"):
-        tree.interface.new_socket("Geometry", in_out='OUTPUT', socket_type='NodeSocketGeometry')
-    else:
-        tree.outputs.new('NodeSocketGeometry', "Geometry")
-    cube, out = tree.nodes.new('GeometryNodeVolumeCube'), tree.nodes.new('NodeGroupOutput')
-    tree.links.new(cube.outputs[0], out.inputs[0])
-    host.modifiers.new("Fill", 'NODES').node_group = tree
+    tree = add_nodes(host, 'GeometryNodeVolumeCube')
     try:
         text = refusal(tile="Cloud", box="Box")
         assert "Cloud" in text and "Volume to Mesh" in text

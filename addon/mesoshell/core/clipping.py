@@ -18,6 +18,16 @@ class Parts(NamedTuple):
     weights: np.ndarray  # float64 [m, 3, 3], its corners as means of the corners of that one
 
 
+def edge_keys(triangles):
+    """Numbers of the edges of triangles [m, 3], from corner k to the next, the same whichever way it runs: int64 [m, 3].
+
+    And a function that gives the lower and the higher vertex of such numbers.
+    """
+    base = np.int64(triangles.max(initial=0)) + 1
+    ends = triangles.astype(np.int64), np.roll(triangles, -1, axis=1).astype(np.int64)
+    return np.minimum(*ends) * base + np.maximum(*ends), lambda keys: np.divmod(keys, base)
+
+
 def whole(positions, triangles):
     """The Parts of a mesh that nothing has cut yet."""
     count = len(triangles)
@@ -73,9 +83,9 @@ def _on_edge(distance, start, end, at_start, at_end):
 
 def _numbered(positions, distance, corners, axis, limit):
     """The vertices where the edges from corner 0 to corners 1 and 2 meet the plane, int [2, k], and all positions."""
-    edges = np.sort(np.stack([corners[:, [0, 1]], corners[:, [0, 2]]]).reshape(-1, 2), axis=1)
-    keys, places = np.unique(edges, axis=0, return_inverse=True)
-    low, high = keys.T
+    edges, ends_of = edge_keys(corners)
+    keys, places = np.unique(edges[:, [0, 2]].T, return_inverse=True)
+    low, high = ends_of(keys)
     share = (distance[low] / (distance[low] - distance[high]))[:, None]
     added = positions[low] * (1.0 - share) + positions[high] * share
     added[:, axis] = limit

@@ -40,9 +40,8 @@ def _open_edges(surface, period):
     if period is not None:
         places = np.column_stack([places[:, :2] - np.floor(places[:, :2] / period + clipping.SNAP) * period, places[:, 2]])
     numbers = np.unique(np.round(places / clipping.SNAP).astype(np.int64), axis=0, return_inverse=True)[1]
-    corners = numbers.ravel()[surface.triangles]
-    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-    return int((np.unique(edges, axis=0, return_counts=True)[1] % 2).sum())
+    edges = clipping.edge_keys(numbers.ravel()[surface.triangles])[0]
+    return int((np.unique(edges, return_counts=True)[1] % 2).sum())
 
 
 def _come_back(parts, period):

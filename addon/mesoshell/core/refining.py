@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from .clipping import edge_keys
+
 _MOST_ROUNDS = 12
 
 
@@ -20,15 +22,16 @@ def refined(surface, longest):
 
 def _split(surface, longest):
     triangles = surface.triangles.astype(np.int64)
-    edges = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-    keys, places = np.unique(edges, axis=0, return_inverse=True)
-    along = surface.positions[keys[:, 1], :2] - surface.positions[keys[:, 0], :2]
+    edges, ends_of = edge_keys(triangles)
+    keys, places = np.unique(edges, return_inverse=True)
+    start, end = ends_of(keys)
+    along = surface.positions[end, :2] - surface.positions[start, :2]
     # A copy of an edge across the border differs in its last bits; no length that a model is likely to have lies here.
     long = np.einsum("ij,ij->i", along, along) > (longest * 0.98736) ** 2
     if not long.any():
         return None
     numbers = np.where(long, len(surface.positions) + np.cumsum(long) - 1, -1)
-    middles = (surface.positions[keys[long, 0]] + surface.positions[keys[long, 1]]) / 2
+    middles = (surface.positions[start[long]] + surface.positions[end[long]]) / 2
     middle = numbers[places.ravel()].reshape(-1, 3)  # of the edge from corner k to the next one; -1: not split
     # Turned so that of one split edge it comes first, of two the edge that stays comes last.
     count = (middle >= 0).sum(axis=1)

@@ -2,7 +2,7 @@
 
 The modifier works on an object in a scene of its own, with a depsgraph of its own, and all of that is gone afterwards:
 nothing that a user sees is touched. A density is solid where it is above the threshold, a level set where it is below. Its
-surface is where Blender shows it: half a voxel on from OpenVDB's own nodes, because to Blender a voxel is a cell.
+surface is where Blender puts it: half a voxel on from OpenVDB's own nodes.
 """
 
 import os
