@@ -236,7 +236,9 @@ def test_a_higher_threshold_lies_deeper(part, fresh):
     radii = []
     for threshold in (0.1, 0.5, 0.9):
         surface = surface_of(part, box, volume, threshold=threshold)
-        away = np.linalg.norm(surface.positions - 0.5, axis=1)
+        center = (surface.positions.min(axis=0) + surface.positions.max(axis=0)) / 2
+        np.testing.assert_allclose(center, 0.5, atol=0.02)
+        away = np.linalg.norm(surface.positions - center, axis=1)
         assert np.ptp(away) < 0.03, "it is a ball"
         radii.append(away.mean())
     assert radii[0] > radii[1] > radii[2] and 0.005 < radii[0] - radii[2] < 0.1
@@ -261,6 +263,21 @@ def test_the_scene_does_not_notice(part, fresh):
         bpy.app.handlers.depsgraph_update_post.remove(on_update)
     assert {kind for name, kind in updates if name == fresh.name} <= {"Scene", "Collection"}
     assert len(bpy.data.scenes) == scene_count and volume.users_scene == users
+
+
+@needs_openvdb
+@pytest.mark.window
+def test_undo_after_a_volume_was_read(part, fresh):
+    volume, box = make_volume(), make_box()
+    names = volume.name, box.name
+    bpy.ops.ed.undo_push(message="before")
+    expected = surface_of(part, box, volume, threshold=0.1)
+    volume.location.x = 3.0
+    bpy.ops.ed.undo_push(message="after")
+    bpy.ops.ed.undo()
+    volume, box = (bpy.data.objects[name] for name in names)
+    assert volume.location.x == 1.0
+    np.testing.assert_allclose(surface_of(part, box, volume, threshold=0.1).positions, expected.positions, atol=1e-6)
 
 
 @needs_openvdb
@@ -361,6 +378,7 @@ def test_volumes_that_can_not_be_baked(refusal):
     volume, _ = make_volume(), make_box()
     assert '"density"' in refusal(tile="Smoke", box="Box", threshold=0.5, grid_name="heat")
     assert "threshold 7" in refusal(tile="Smoke", box="Box", threshold=7.0)
+    assert "threshold -0.1" in refusal(tile="Smoke", box="Box", threshold=-0.1)
     assert "Mirror" in refusal(tile="Smoke", box="Box", threshold=0.1, periodic='BLEND')
     volume.modifiers.clear()
     assert '"Smoke" has no grids' in refusal(tile="Smoke", box="Box")

@@ -44,8 +44,9 @@ def heights(image, notices):
             image.source == 'FILE' and image.colorspace_settings.name not in _NUMBERS):
         notices.append(f'The image "{image.name}" is read through the color space {image.colorspace_settings.name}, '
                        "which bends heights: set it to Non-Color")
-    # In double precision, so that a gray is itself again.
-    return (pixels[..., :3] @ _LUMINANCE).astype(np.float32)
+    # In double precision, so that a gray is itself again; in parts, because that takes twice the memory.
+    parts = np.array_split(pixels[..., :3], max(1, pixels.shape[0] // 256))
+    return np.concatenate([(part @ _LUMINANCE).astype(np.float32) for part in parts])
 
 
 @contextmanager
