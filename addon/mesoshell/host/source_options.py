@@ -38,9 +38,9 @@ class SourceOptions:
     grid_path: StringProperty(name="Grid", description="A .vdb file, or a .npy file of NumPy's", subtype='FILE_PATH',
                               options=ONCE | versions.PATH_OPTIONS)
 
-    height_low: _with_default(FloatProperty, "height_low", name="Black", min=0.0, soft_max=1.0, precision=3,
+    height_low: _with_default(FloatProperty, "height_low", name="Black Height", min=0.0, soft_max=1.0, precision=3,
                               description="Height of black above the base, in widths of the image")
-    height_high: _with_default(FloatProperty, "height_high", name="White", min=0.0, soft_max=1.0, precision=3,
+    height_high: _with_default(FloatProperty, "height_high", name="White Height", min=0.0, soft_max=1.0, precision=3,
                                description="Height of white above the base, in widths of the image. Stored values are taken "
                                "as they are: a height is data, not a color")
     most_nodes: _with_default(IntProperty, "most_nodes", name="Most Nodes", min=4, soft_max=1024, max=4096,

@@ -18,8 +18,8 @@ def grid_of(obj, options):
     """The name of the grid of an evaluated volume object that TileOptions mean; ValueError."""
     _check_openvdb(f'The volume "{obj.name}"')
     if options.threshold < 0.0:
-        raise ValueError(f'The volume "{obj.name}" can not be read at the threshold {options.threshold:g}: Blender takes zero '
-                         "or more, so shrink a level set before you bake it")
+        raise ValueError(f'The volume "{obj.name}" can not be read at the threshold {options.threshold:g}: Blender takes '
+                         "zero or more, so shrink a level set before you bake it")
     grids = obj.data.grids
     if not grids.is_loaded and not grids.load():
         raise ValueError(f'The volume "{obj.name}" can not be read ({grids.error_message}): choose its file again')

@@ -42,9 +42,14 @@ class MESOSHELL_PT_bake_repetition(SidebarPanel, bpy.types.Panel):
         layout.prop(settings, "periodic")
         if settings.periodic == 'BLEND':
             layout.prop(settings, "blend_width")
+            if settings.source in _OF_OBJECTS:
+                draw_sentence(layout, context, "Objects can not be blended: choose Mirror", 'ERROR')
         layout.prop(settings, "copies")
         if settings.copies > 1:
             _draw_all(layout, settings, "variation", "seed")
+        side = settings.copies * (2 if settings.periodic == 'MIRROR' else 1)
+        if side > 1:
+            draw_sentence(layout, context, f"Nodes are spread over {side} × {side} copies", 'INFO')
 
 
 class MESOSHELL_PT_bake_quality(SidebarPanel, bpy.types.Panel):
