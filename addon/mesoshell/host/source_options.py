@@ -2,8 +2,9 @@
 
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from ..core import periodic, variation
+from ..core.periodic import MOST_BLEND
 from ..core.tile_options import TileOptions
+from ..core.variation import MOST_COPIES
 from . import versions
 
 SOURCES = (
@@ -58,9 +59,9 @@ class SourceOptions:
 
     periodic: _with_default(EnumProperty, "periodic", name="Periodic", items=_PERIODIC,
                             description="What is done to a source whose borders do not match")
-    blend_width: _with_default(FloatProperty, "blend_width", name="Blend Width", min=0.01, max=periodic.MOST_BLEND,
+    blend_width: _with_default(FloatProperty, "blend_width", name="Blend Width", min=0.01, max=MOST_BLEND,
                                description="Of the cross-fade along each border, in tile widths")
-    copies: _with_default(IntProperty, "copies", name="Copies", min=1, max=variation.MOST_COPIES,
+    copies: _with_default(IntProperty, "copies", name="Copies", min=1, max=MOST_COPIES,
                           description="A side, each bent in its own way, so that repetition is not seen. Nodes are spread "
                           "over all of them; 1: no variation")
     variation: _with_default(FloatProperty, "variation", name="Variation", min=0.0, max=1.0, subtype='FACTOR',
