@@ -15,7 +15,7 @@ SMALL_BAKE = dict(resolution=(16, 20, 8), directions=(8, 16), sdf_resolution=(32
 def everything():
     """What is in the file, by collection and pointer."""
     return {name: {item.as_pointer() for item in getattr(bpy.data, name)}
-            for name in ("objects", "meshes", "lights", "images", "collections", "curves")}
+            for name in ("objects", "meshes", "lights", "images", "collections", "curves", "volumes")}
 
 
 def restore(before):

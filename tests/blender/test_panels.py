@@ -19,8 +19,14 @@ def test_panels_draw_in_every_state(native, map_file, tmp_path):
     assert not seen["errors"], "\n".join(seen["errors"][0])
     states = {"nothing active", "a tile and a surface", "a bake that runs", "a bake that failed", "a shell",
               "a shell that lost its map"}
-    names = {"MESOSHELL_PT_bake", "MESOSHELL_PT_bake_quality", "MESOSHELL_PT_shell"}
-    assert {tuple(pair) for pair in seen["drawn"]} == {(state, name) for state in states for name in names}
+    sources = {"the selection", "a volume", "a collection that is mirrored", "an image that is varied",
+               "an array that is blended", "a file of grids", "an object that can not be blended"}
+    of_sources = {"MESOSHELL_PT_bake", "MESOSHELL_PT_bake_repetition"}
+    names = of_sources | {"MESOSHELL_PT_bake_quality", "MESOSHELL_PT_shell"}
+    expected = {(state, name) for state in states for name in names}
+    expected |= {(state, name) for state in sources for name in of_sources}
+    # Those that are open already are drawn in later states too.
+    assert expected <= {tuple(pair) for pair in seen["drawn"]}
     # Blender prints what the layout itself refuses, such as a property that is not there.
     output = child.stdout + child.stderr
     assert "rna_uiItem" not in output and "Traceback" not in output, output[-3000:]

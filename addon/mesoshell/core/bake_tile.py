@@ -119,7 +119,8 @@ def bake_tile(request, progress=None):
 
     with _naming(surface.name, module):
         packing.check_size(request.terms, request.resolution, request.directions, request.sdf_resolution)
-        sample = module.Sample(surface.positions, surface.triangles, height=surface.height, aspect=surface.aspect)
+        sample = module.Sample(surface.positions, surface.triangles, height=surface.height, aspect=surface.aspect,
+                               thickness=surface.thickness)
     sdf = stage("sdf", lambda inner: module.bake_sdf(
         sample, resolution=request.sdf_resolution, threads=request.threads, progress=inner))
     leaps = stage("leaps", lambda inner: module.bake_leaps(
@@ -136,8 +137,4 @@ def bake_tile(request, progress=None):
 
 
 def _notices(surface, sample):
-    notices = list(surface.notices)
-    if sample.clipped_triangles:
-        notices.append(f'{sample.clipped_triangles} triangles of "{surface.name}" reach out of the tile\'s height and were '
-                       "clipped")
-    return tuple(notices)
+    return (*surface.notices, *(f'Tile "{surface.name}": {notice.rstrip(".")}' for notice in sample.notices))

@@ -1,8 +1,10 @@
 """A tile's surface as arrays, copied out of wherever it comes from: what the native Sample is made of."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+
+_CORNER_ARRAYS = ("normals", "colors", "uvs")
 
 
 @dataclass(frozen=True)
@@ -13,6 +15,7 @@ class TileSurface:
     positions      float64 [n, 3]
     triangles      int32 [m, 3], outward
     height, aspect of the tile: in tile widths, and period v / period u
+    thickness      tile widths: open parts become sheets of it; 0: only what is closed has an inside
     normals        float32 [m, 3, 3], unit length, a corner; or None: those of the triangles
     colors         linear RGB float32 [m, 3, 3], a corner, that the materials' colors are multiplied with; or None: white
     uvs            float32 [m, 3, 2], for the materials' images; or None
@@ -26,12 +29,32 @@ class TileSurface:
     triangles: np.ndarray
     height: float
     aspect: float = 1.0
+    thickness: float = 0.0
     normals: np.ndarray = None
     colors: np.ndarray = None
     uvs: np.ndarray = None
     material_indices: np.ndarray = None
     materials: tuple = ()
     notices: tuple = field(default=())
+
+    def rebuilt(self, positions, triangles, source, *, weights=None, corners=None, **changes):
+        """A copy of other triangles, each a part of one of these, with what corners and materials say of it.
+
+        source   int [m], the triangle that each is part of
+        weights  float [m, 3, 3], how much of each of its corners a corner is; or else `corners`, int [3], which one it is
+        """
+        for name in _CORNER_ARRAYS:
+            values = getattr(self, name)
+            if values is None:
+                continue
+            values = values[source]
+            values = values[:, corners] if weights is None else np.einsum("mij,mjk->mik", weights, values)
+            if name == "normals":
+                values = values / np.maximum(np.linalg.norm(values, axis=-1, keepdims=True), 1e-30)
+            changes.setdefault(name, values.astype(np.float32))
+        if self.material_indices is not None:
+            changes["material_indices"] = self.material_indices[source]
+        return replace(self, positions=positions, triangles=np.ascontiguousarray(triangles, np.int32), **changes)
 
 
 def check_finite(positions, who):

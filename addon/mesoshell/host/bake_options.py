@@ -5,12 +5,9 @@ from bpy.props import (EnumProperty, FloatProperty, IntProperty, IntVectorProper
 
 from ..core import presets
 from . import instances, versions
+from .source_options import ONCE as _ONCE
+from .source_options import SourceOptions
 
-SOURCES = (
-    ('OBJECT', "Object", "One object, with its modifiers and all that it instances"),
-    ('SELECTION', "Selection", "All selected objects together"),
-    ('COLLECTION', "Collection", "All visible objects of a collection, and of those in it"),
-)
 PRECISIONS = (
     ("half", "Half", "16-bit floats in the file"),
     ("float", "Float", "32-bit floats in the file"),
@@ -18,9 +15,6 @@ PRECISIONS = (
 _PRESETS = tuple((preset.identifier, preset.label, preset.description, index)
                  for index, preset in enumerate(presets.PRESETS)) + (
     ('CUSTOM', "Custom", "Other numbers, as they stand under Quality", len(presets.PRESETS)),)
-
-# SKIP_SAVE speaks of operators only: a button must not repeat what the last script asked for.
-_ONCE = {'SKIP_SAVE'}
 
 
 def _preset(settings):
@@ -33,10 +27,9 @@ def _set_preset(settings, index):
             setattr(settings, name, value)
 
 
-class BakeOptions:
+class BakeOptions(SourceOptions):
     """Properties that the scene and the operator share."""
 
-    source: EnumProperty(name="Source", description="What the tile is", items=SOURCES, default='OBJECT', options=_ONCE)
     preset: EnumProperty(name="Preset", description="How fine the map is", items=_PRESETS, get=_preset, set=_set_preset,
                          options=_ONCE)
     resolution: IntVectorProperty(name="Nodes", description="Nodes of the GDM along u, v and w", size=3,
@@ -66,6 +59,7 @@ class MesoshellBake(BakeOptions, bpy.types.PropertyGroup):
                                      type=bpy.types.Collection)
     box: PointerProperty(name="Box", description="The empty that shows one period of the tile; without one, the period that "
                          "the object itself holds", type=bpy.types.Object, poll=_is_empty)
+    image: PointerProperty(name="Image", description="The height field to bake", type=bpy.types.Image)
     output_path: StringProperty(name="Map", description="Where the bake is saved", subtype='FILE_PATH',
                                 options=versions.PATH_OPTIONS, default="//tile.gdm.exr")
 

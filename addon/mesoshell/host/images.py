@@ -1,10 +1,15 @@
 """Pixels of Blender's images, by foreach_get; row 0 is the bottom one, as v = 0 is."""
 
+from contextlib import contextmanager
+
+import bpy
 import numpy as np
 
 # A base color needs no more than the 3D texture it ends in shows; beyond this, whole blocks of pixels are averaged.
 MOST_COLOR_PIXELS = 2048  # a side
 
+# Of linear Rec. 709 red, green and blue.
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _ENCODED = {"sRGB", "sRGB OETF", "sRGB - Texture", "Utility - sRGB - Texture", "sRGB Encoded Rec.709 (sRGB)"}
 _NUMBERS = {"Non-Color", "Raw", "Linear", "Linear Rec.709", "Generic Data", "Utility - Raw"}
 
@@ -25,7 +30,10 @@ def linear_pixels(image):
 
 
 def heights(image, notices):
-    """Heights float32 [h, w] of a height-field image: the mean of its colors, as numbers.
+    """Heights float32 [h, w] of a height-field image: the luminance of its colors, as the numbers that the file holds.
+
+    A height is data: 8-bit images hand out what is stored, encoded or not, and that is taken; set the color space of others
+    to Non-Color.
 
     Raises ValueError for an image without pixels; `notices` gets a sentence where Blender has bent the numbers.
     """
@@ -36,7 +44,23 @@ def heights(image, notices):
             image.source == 'FILE' and image.colorspace_settings.name not in _NUMBERS):
         notices.append(f'The image "{image.name}" is read through the color space {image.colorspace_settings.name}, '
                        "which bends heights: set it to Non-Color")
-    return np.ascontiguousarray(pixels[..., :min(3, pixels.shape[2])].mean(axis=2), np.float32)
+    # In double precision, so that a gray is itself again; in parts, because that takes twice the memory.
+    parts = np.array_split(pixels[..., :3], max(1, pixels.shape[0] // 256))
+    return np.concatenate([(part @ _LUMINANCE).astype(np.float32) for part in parts])
+
+
+@contextmanager
+def heights_file(path):
+    """An image of a file, as numbers, while the block runs; ValueError if it is none. Nothing stays in the .blend file."""
+    try:
+        image = bpy.data.images.load(path)
+    except RuntimeError as error:
+        raise ValueError(f"The image {path} can not be read: choose another file") from error
+    try:
+        image.colorspace_settings.name = "Non-Color"
+        yield image
+    finally:
+        bpy.data.images.remove(image)
 
 
 def _pixels(image):

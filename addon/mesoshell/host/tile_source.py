@@ -2,23 +2,43 @@
 
 import numpy as np
 
+from ..core import mirrored_tile
+from ..core.tile_options import TileOptions
 from ..core.tile_surface import TileSurface, check_finite
-from . import instances, materials, mesh_corners, tile_box
+from . import instances, materials, mesh_corners, volumes
 
 # Geometry reaches over its borders by right; what spans this many periods is rather a box of the wrong size.
 _MANY_PERIODS = 4.0
 
 
-def read(objects, box, depsgraph, name):
+def read(objects, box, depsgraph, name, options=TileOptions()):
     """The TileSurface that `objects` (originals) show in a TileBox; raises ValueError in a sentence that names the thing."""
     pieces = _Pieces(box)
-    left_out = instances.visit(depsgraph, objects, pieces.add)
+    left_out = _visit(depsgraph, objects, pieces.add, options)
     if left_out:
         pieces.notices.append(f"{left_out} objects drawn as wires or bounds were left out")
-    return pieces.surface(name)
+    return _finished(pieces, name, options)
 
 
-def bounds(objects, axes, depsgraph):
+def read_file(path, box, scene, options):
+    """The TileSurface of a file of OpenVDB grids, in a TileBox or, without one, in the surface's bounds; ValueError."""
+    with volumes.from_file(path) as obj:
+        name = obj.name
+        with volumes.as_meshes({obj: volumes.grid_of(obj, options)}, scene, options) as meshes:
+            pieces = _Pieces(volumes.box_around(name, meshes[obj]) if box is None else box)
+            pieces.add(meshes[obj], np.eye(4))
+    return _finished(pieces, name, options)
+
+
+def _finished(pieces, name, options):
+    surface = pieces.surface(name, options)
+    if options.periodic == 'BLEND':
+        raise ValueError(f'Tile "{name}" is made of faces, which can not be blended across a border as images and arrays '
+                         "can: choose Mirror")
+    return mirrored_tile.mirrored(surface) if options.periodic == 'MIRROR' else surface
+
+
+def bounds(objects, axes, depsgraph, options=TileOptions()):
     """(low, high), float64 [3] each, of what `objects` show, along the columns of `axes` (world space); None if nothing."""
     lows, highs = [], []
 
@@ -33,8 +53,26 @@ def bounds(objects, axes, depsgraph):
         lows.append(along.min(axis=0))
         highs.append(along.max(axis=0))
 
-    instances.visit(depsgraph, objects, see)
+    _visit(depsgraph, objects, see, options)
     return (np.min(lows, axis=0), np.max(highs, axis=0)) if lows else None
+
+
+def _visit(depsgraph, objects, see, options):
+    """instances.visit, with the meshes of volumes; those get the threshold and the grid of `options`."""
+    seen = []
+
+    def see_volume(obj, matrix):
+        if obj.original.type != 'VOLUME':
+            raise ValueError(f'The volume that the nodes of "{obj.name}" make can not be read: end them with Volume to Mesh')
+        seen.append((obj.original, volumes.grid_of(obj, options), matrix))
+
+    left_out = instances.visit(depsgraph, objects, see, see_volume)
+    # Only now: their meshes come from another depsgraph, and this one must not change while it is walked.
+    if seen:
+        with volumes.as_meshes({obj: grid for obj, grid, _ in seen}, depsgraph.scene, options) as meshes:
+            for obj, _, matrix in seen:
+                see(meshes[obj], matrix)
+    return left_out
 
 
 class _Pieces:
@@ -58,18 +96,18 @@ class _Pieces:
         if self._meshes[key] is not None:
             self._copies.append((key, self._box.metric_from(matrix)))
 
-    def surface(self, name):
+    def surface(self, name, options):
         if not self._copies:
             raise ValueError(f'Tile "{name}" has no faces: model the tile\'s geometry, or pick another source')
         box, parts = self._box, [self._placed(key, affine) for key, affine in self._copies]
         counts = [len(part[0]) for part in parts]
         starts = np.cumsum([0, *counts[:-1]])
         positions = np.concatenate([part[0] for part in parts])
-        self._check_place(positions, name)
+        self._check_place(positions, name, options)
         triangles = np.concatenate([part[1] + start for part, start in zip(parts, starts)]).astype(np.int32)
         normals, colors, uvs, indices = (np.concatenate([part[column] for part in parts]) for column in range(2, 6))
         return TileSurface(
-            name, positions, triangles, box.height, box.aspect, normals=normals,
+            name, positions, triangles, box.height, box.aspect, options.thickness / float(box.size[0]), normals=normals,
             colors=None if np.all(colors == 1.0) else colors, uvs=uvs if np.any(uvs) else None,
             material_indices=indices, materials=tuple(materials.table_entry(surface) for surface in self._table),
             notices=tuple(dict.fromkeys(self.notices)))
@@ -139,7 +177,7 @@ class _Pieces:
             triangles, normals, colors, uvs = (array[:, ::-1] for array in (triangles, normals, colors, uvs))
         return positions, triangles, normals, colors, uvs, indices
 
-    def _check_place(self, positions, name):
+    def _check_place(self, positions, name, options):
         box = self._box
         low, high = positions.min(axis=0), positions.max(axis=0)
         if low[2] >= box.height or high[2] <= 0.0:
@@ -148,6 +186,6 @@ class _Pieces:
         if low[0] >= 1.0 or high[0] <= 0.0 or low[1] >= box.aspect or high[1] <= 0.0:
             raise ValueError(f'Tile "{name}" lies wholly beside its box "{box.name}": snap the box to it, or move the box')
         periods = (high - low)[:2] / [1.0, box.aspect]
-        if periods.max() > _MANY_PERIODS:
+        if periods.max() > _MANY_PERIODS and options.periodic == 'NONE':
             self.notices.append(f'Tile "{name}" spans {periods[0]:.1f} × {periods[1]:.1f} of its periods, all of which fall '
                                 "into one: make the box larger if that is not meant")

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..host import chosen_source, tile_box
+from ..host import chosen_source, source_options, tile_box
 from . import sentences
 
 _DISPLAY_SIZE = 0.5  # so that the empty's scale is the box's size
@@ -19,10 +19,8 @@ class MESOSHELL_OT_add_tile_box(bpy.types.Operator):
         try:
             choice = chosen_source.from_scene(context)
             depsgraph = context.evaluated_depsgraph_get()
-            # One object's own axes fit it best; several share those of the world.
-            first = choice.objects[0]
-            axes = tile_box.frame(first.matrix_world if len(choice.objects) == 1 else ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
-            low, high = chosen_source.bounds(choice, axes, depsgraph)
+            axes = chosen_source.axes_of(choice)
+            low, high = chosen_source.bounds(choice, axes, depsgraph, source_options.from_scene(context))
         except sentences.expected() as error:
             self.report({'ERROR'}, sentences.of(error))
             return {'CANCELLED'}

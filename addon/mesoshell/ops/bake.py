@@ -3,12 +3,14 @@
 From a script it runs to its end; invoked from the interface it runs in the background and Esc cancels it.
 """
 
+import os
+
 import bpy
 from bpy.props import IntProperty, StringProperty
 
 from ..core import native
 from ..core.bake_tile import BakeRequest, bake_tile, check_folder
-from ..host import bake_options, bake_state, chosen_source, paths, properties, versions
+from ..host import bake_options, bake_state, chosen_source, paths, properties, source_options, versions
 from . import sentences
 
 POLL_SECONDS = 0.1
@@ -24,6 +26,8 @@ class MESOSHELL_OT_bake(bake_options.BakeOptions, bpy.types.Operator):
     tile: StringProperty(name="Tile", description="Name of the tile object", options={'SKIP_SAVE'})
     collection: StringProperty(name="Collection", description="Name of the collection that is the tile",
                                options={'SKIP_SAVE'})
+    image: StringProperty(name="Image", description="Name of the image that is the height field, or the path of one",
+                          options={'SKIP_SAVE'})
     box: StringProperty(name="Box", description="Name of the empty that shows the tile's period", options={'SKIP_SAVE'})
     filepath: StringProperty(name="Map", subtype='FILE_PATH', options={'SKIP_SAVE'} | versions.PATH_OPTIONS)
     threads: IntProperty(name="Threads", description="0 means all cores", default=0, min=0, options={'SKIP_SAVE'})
@@ -108,17 +112,23 @@ class MESOSHELL_OT_bake(bake_options.BakeOptions, bpy.types.Operator):
 
         path = paths.absolute(self.filepath or settings.output_path)
         check_folder(path)
-        surface = chosen_source.read(self._choice(context, value("source")), context.evaluated_depsgraph_get())
+        surface = chosen_source.read(self._choice(context, value), context.evaluated_depsgraph_get(),
+                                     source_options.options(value))
         return BakeRequest(
             surface=surface, path=path, resolution=tuple(value("resolution")), directions=tuple(value("directions")),
             sdf_resolution=tuple(value("sdf_resolution")), terms=value("terms"), precision=value("precision"),
             threads=self.threads)
 
-    def _choice(self, context, source):
+    def _choice(self, context, value):
         """What the call names; what it does not name, the scene does."""
         settings, objects = context.scene.mesoshell, context.scene.objects
+        source, image = value("source"), settings.image
         here = f'object in the scene "{context.scene.name}"'
         tile, collection, box = settings.tile, settings.tile_collection, settings.box
+        if self.grid_path:
+            source, box = 'FILE', None
+        if self.image:
+            source, image = 'IMAGE', bpy.data.images.get(self.image) or self._image_path()
         if self.collection:
             source, collection = 'COLLECTION', chosen_source.named(bpy.data.collections, self.collection, "collection")
         if self.tile:
@@ -127,7 +137,14 @@ class MESOSHELL_OT_bake(bake_options.BakeOptions, bpy.types.Operator):
                 box = None
         if self.box:
             box = chosen_source.named(objects, self.box, here)
-        return chosen_source.choose(context, source=source, tile=tile, collection=collection, box=box)
+        return chosen_source.choose(context, source=source, tile=tile, collection=collection, box=box, image=image,
+                                    grid_path=value("grid_path"))
+
+    def _image_path(self):
+        path = paths.absolute(self.image)
+        if not os.path.isfile(path):
+            raise ValueError(f'There is no image called "{self.image}", and no file: check the name')
+        return path
 
     def _succeed(self, result, request):
         seconds = sum(result.seconds.values())

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty
 
-from ..host import chosen_source, tile_box
+from ..host import chosen_source, source_options, tile_box
 from . import sentences
 
 
@@ -29,7 +29,8 @@ class MESOSHELL_OT_snap_tile_box(bpy.types.Operator):
         try:
             depsgraph = context.evaluated_depsgraph_get()
             axes = tile_box.frame(empty.matrix_world)
-            low, high = chosen_source.bounds(chosen_source.from_scene(context), axes, depsgraph)
+            choice, options = chosen_source.from_scene(context), source_options.from_scene(context)
+            low, high = chosen_source.bounds(choice, axes, depsgraph, options)
         except sentences.expected() as error:
             self.report({'ERROR'}, sentences.of(error))
             return {'CANCELLED'}

@@ -2,8 +2,10 @@
 
 import bpy
 
-from ..host import bake_state, versions
+from ..host import bake_state, chosen_source, versions
 from .parts import SidebarPanel, draw_sentence, split_layout
+
+_OF_OBJECTS = {'OBJECT', 'SELECTION', 'COLLECTION'}
 
 
 class MESOSHELL_PT_bake(SidebarPanel, bpy.types.Panel):
@@ -29,6 +31,27 @@ class MESOSHELL_PT_bake(SidebarPanel, bpy.types.Panel):
             draw_sentence(layout, context, notice, 'DOT')
 
 
+class MESOSHELL_PT_bake_repetition(SidebarPanel, bpy.types.Panel):
+    bl_label = "Borders and Repetition"
+    bl_parent_id = "MESOSHELL_PT_bake"
+    bl_options = {'DEFAULT_CLOSED'}
+
+    def draw(self, context):
+        layout = split_layout(self)
+        settings = context.scene.mesoshell
+        layout.prop(settings, "periodic")
+        if settings.periodic == 'BLEND':
+            layout.prop(settings, "blend_width")
+            if settings.source in _OF_OBJECTS:
+                draw_sentence(layout, context, "Objects can not be blended: choose Mirror", 'ERROR')
+        layout.prop(settings, "copies")
+        if settings.copies > 1:
+            _draw_all(layout, settings, "variation", "seed")
+        side = settings.copies * (2 if settings.periodic == 'MIRROR' else 1)
+        if side > 1:
+            draw_sentence(layout, context, f"Nodes are spread over {side} × {side} copies", 'INFO')
+
+
 class MESOSHELL_PT_bake_quality(SidebarPanel, bpy.types.Panel):
     bl_label = "Quality"
     bl_parent_id = "MESOSHELL_PT_bake"
@@ -47,9 +70,28 @@ def _draw_source(layout, context, settings):
         layout.prop(settings, "tile")
     elif settings.source == 'COLLECTION':
         layout.prop(settings, "tile_collection")
-    else:
+    elif settings.source == 'SELECTION':
         layout.label(text=f"{len(context.selected_objects)} objects are selected")
-    _draw_box(layout, settings)
+    elif settings.source == 'IMAGE':
+        layout.template_ID(settings, "image", open="image.open")
+        _draw_all(layout, settings, "height_low", "height_high", "most_nodes")
+    else:
+        layout.prop(settings, "grid_path")
+        array = settings.grid_path.lower().endswith(".npy")
+        _draw_all(layout, settings, "threshold", *(("inside", "grid_height") if array else ("grid_name",)))
+        if not array:
+            layout.prop(settings, "box")
+    if settings.source in _OF_OBJECTS:
+        if chosen_source.may_be_volume(context):
+            _draw_all(layout, settings, "threshold", "grid_name")
+        _draw_box(layout, settings)
+        layout.prop(settings, "thickness")
+
+
+def _draw_all(layout, settings, *names):
+    column = layout.column(align=True)
+    for name in names:
+        column.prop(settings, name)
 
 
 def _draw_box(layout, settings):
@@ -68,7 +110,7 @@ def _draw_box(layout, settings):
                 column.prop(tile, name)
 
 
-CLASSES = (MESOSHELL_PT_bake, MESOSHELL_PT_bake_quality)
+CLASSES = (MESOSHELL_PT_bake, MESOSHELL_PT_bake_repetition, MESOSHELL_PT_bake_quality)
 
 
 def register():

@@ -21,6 +21,7 @@ session.module_name = session.enable(os.environ["MESOSHELL_TEST_PACKAGE"])
 bake_state, jobs, shells = (session.part(name) for name in ("host.bake_state", "core.jobs", "host.shells"))
 bpy.context.preferences.view.show_splash = False
 CLASSES = [*session.part("ui.bake_panel").CLASSES, *session.part("ui.shell_panel").CLASSES]
+OF_SOURCES = CLASSES[:2]  # what the source changes
 drawn, errors = [], []
 state = "start"
 
@@ -38,14 +39,14 @@ def watch(cls):
     cls.draw = watched
 
 
-def show(name):
+def show(name, classes=CLASSES):
     global state
     state = name
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == 'VIEW_3D')
     region = next(region for region in area.regions if region.type == 'WINDOW')
     with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
-        for cls in CLASSES:
+        for cls in classes:
             bpy.ops.wm.call_panel('INVOKE_DEFAULT', name=cls.__name__, keep_open=True)
             bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=1)
 
@@ -59,6 +60,7 @@ def states():
     settings.tile, torus = scenes.make_tile("SphereTile"), scenes.make_torus("MailTorus")
     view_layer.objects.active = torus
     show("a tile and a surface")
+    show_sources(settings)
     bake_state.start(until_cancelled, "Baking SphereTile")
     show("a bake that runs")
     jobs.cancel_all()
@@ -71,6 +73,28 @@ def states():
     torus.mesoshell.map_path = os.path.join(folder, "lost.exr")
     shells.visible(bpy.context.evaluated_depsgraph_get())
     show("a shell that lost its map")
+
+
+def show_sources(settings):
+    """Each source has fields of its own, and so has what is done to it."""
+    settings.source = 'SELECTION'
+    show("the selection", OF_SOURCES)
+    tile, settings.source = settings.tile, 'OBJECT'
+    settings.tile = bpy.data.objects.new("Smoke", bpy.data.volumes.new("Smoke"))
+    show("a volume", OF_SOURCES)
+    settings.source, settings.tile, settings.periodic = 'COLLECTION', tile, 'MIRROR'
+    settings.tile_collection = bpy.data.collections.new("Parts")
+    show("a collection that is mirrored", OF_SOURCES)
+    settings.source, settings.copies, settings.periodic = 'IMAGE', 3, 'NONE'
+    settings.image = bpy.data.images.new("Relief", 4, 4)
+    show("an image that is varied", OF_SOURCES)
+    settings.source, settings.copies, settings.periodic, settings.grid_path = 'FILE', 1, 'BLEND', "//grid.npy"
+    show("an array that is blended", OF_SOURCES)
+    settings.grid_path = "//grid.vdb"
+    show("a file of grids", OF_SOURCES)
+    settings.source = 'OBJECT'
+    show("an object that can not be blended", OF_SOURCES)
+    settings.periodic = 'NONE'
 
 
 def until_cancelled(progress):
