@@ -246,12 +246,17 @@ def test_a_higher_threshold_lies_deeper(part, fresh):
 
 @needs_openvdb
 def test_the_scene_does_not_notice(part, fresh):
-    """No object is evaluated again, and no scene stays; that data came and went only makes the scene look at its list."""
+    """Nothing of the scene's has moved or changed its shape, and no scene stays.
+
+    That any data came and went makes a scene look through its collections and, since 4.3, tag its objects' shading.
+    """
     volume, box = make_volume(), make_box()
     updates = []
 
     def on_update(scene, depsgraph):
-        updates.extend((scene.name, type(update.id.original).__name__) for update in depsgraph.updates)
+        updates.extend(update.id.name for update in depsgraph.updates
+                       if scene.name == fresh.name and not isinstance(update.id, bpy.types.Collection)
+                       and (update.is_updated_geometry or update.is_updated_transform))
 
     bpy.context.view_layer.update()
     scene_count, users = len(bpy.data.scenes), volume.users_scene
@@ -259,9 +264,12 @@ def test_the_scene_does_not_notice(part, fresh):
     try:
         surface_of(part, box, volume, threshold=0.1)
         bpy.context.view_layer.update()
+        assert not updates
+        volume.location.x += 1.0
+        bpy.context.view_layer.update()
+        assert "Smoke" in updates, "what does move is seen"
     finally:
         bpy.app.handlers.depsgraph_update_post.remove(on_update)
-    assert {kind for name, kind in updates if name == fresh.name} <= {"Scene", "Collection"}
     assert len(bpy.data.scenes) == scene_count and volume.users_scene == users
 
 
@@ -339,7 +347,7 @@ def test_a_level_set_is_solid_below_its_threshold(part, fresh, tmp_path, thresho
     box = part("host.tile_box").TileBox("Unit", np.eye(4), np.zeros(3), np.ones(3))
     surface = part("host.tile_source").read_file(str(tmp_path / "ball.vdb"), box, fresh, options)
     center = (surface.positions.min(axis=0) + surface.positions.max(axis=0)) / 2
-    # Blender takes a voxel for a cell, OpenVDB for a node: half a voxel apart.
+    # Blender's mesh lies half a voxel on from OpenVDB's nodes; not so in 5.2.
     np.testing.assert_allclose(center, 0.5, atol=0.011)
     np.testing.assert_allclose(np.linalg.norm(surface.positions - center, axis=1), 0.3 + threshold, atol=1e-3)
 
