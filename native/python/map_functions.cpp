@@ -1,4 +1,4 @@
-// mesoshell_native.compress, bake_map, term_bytes, measure, load
+// mesoshell_native.compress, bake_map, plan_bake, measure, load
 #include <algorithm>
 
 #include "arrays.h"
@@ -119,22 +119,25 @@ PyObject* py_bake_map(PyObject* module, PyObject* args, PyObject* kwargs)
     });
 }
 
-PyObject* py_term_bytes(PyObject* module, PyObject* args, PyObject* kwargs)
+PyObject* py_plan_bake(PyObject* module, PyObject* args, PyObject* kwargs)
 {
     ModuleState& state = state_of_module(module);
     return guarded(state, [&]() -> PyObject* {
-        static const char* names[] = {"resolution", "directions", "terms", "layout", "precision", nullptr};
+        static const char* names[] = {"resolution", "directions", "terms", "layout", "precision", "memory", nullptr};
         BakeArguments bake;
         CompressArguments arguments;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "|$OOOss:term_bytes", const_cast<char**>(names), &bake.resolution,
-                                         &bake.directions, &arguments.terms, &arguments.layout, &arguments.precision)) {
+        double memory = 0.0;
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "|$OOOssd:plan_bake", const_cast<char**>(names), &bake.resolution,
+                                         &bake.directions, &arguments.terms, &arguments.layout, &arguments.precision, &memory)) {
             return nullptr;
         }
         const GdmResolution resolution = bake.checked_resolution(state);
-        CompressOptions options = arguments.options();
-        options.layout = options.layout == Layout::automatic ? Layout::nodes : options.layout;
-        options.terms = options.terms == 0 ? default_terms(resolution, options.layout, options.precision) : options.terms;
-        return Py_BuildValue("(di)", term_bytes(resolution, options), options.terms);
+        const double limit = memory > 0.0 ? memory : default_memory();
+        const BakePlan plan = plan_bake(resolution, arguments.options(), limit);
+        const Reference layout = checked(name_of(layouts, plan.options.layout));
+        return Py_BuildValue("{s:O,s:i,s:d,s:d,s:d,s:d,s:i}", "layout", layout.get(), "terms", plan.options.terms, "term_bytes",
+                             term_bytes(resolution, plan.options), "limit", limit, "needed", plan.needed, "used", plan.used,
+                             "blocks", plan.blocks);
     });
 }
 
@@ -189,9 +192,10 @@ PyMethodDef functions[] = {
      "terms=None, max_rmse=None, layout='auto', precision='byte', memory=0, threads=0, progress=None)\n--\n\n"
      "bake_gdm and compress in at most `memory` bytes (0: a quarter of the machine's), the raw GDM streaming through in blocks of "
      "azimuths."},
-    {"term_bytes", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_term_bytes)), METH_VARARGS | METH_KEYWORDS,
-     "term_bytes(*, resolution=(64, 64, 32), directions=(16, 32), terms=None, layout='nodes', precision='byte')\n--\n\n"
-     "(bytes of a map's terms before they are packed into a file, number of terms)."},
+    {"plan_bake", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_plan_bake)), METH_VARARGS | METH_KEYWORDS,
+     "plan_bake(*, resolution=(64, 64, 32), directions=(16, 32), terms=None, layout='auto', precision='byte', memory=0)\n--\n\n"
+     "What bake_map would do, a dict: layout, terms, term_bytes (before they are packed into a file), limit, needed, used (bytes of "
+     "memory), blocks (0: the limit is too low; 1: the raw GDM is kept)."},
     {"measure", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_measure)), METH_VARARGS | METH_KEYWORDS,
      "measure(map, sample, *, rays='off_grid', count=100000, seed=1, threads=0, progress=None)\n--\n\n"
      "Error report of a map against Embree on its sample, over random rays: a dict of lengths in tile widths (rmse, median, "

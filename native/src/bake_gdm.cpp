@@ -19,7 +19,7 @@ glm::dvec3 gdm_direction(const GdmResolution& resolution, int theta, int phi)
     return glm::dvec3(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar));
 }
 
-Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Engine engine, Job& job)
+Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Engine engine, Job& job, float end)
 {
     check_resolution(resolution);
     const double bytes =
@@ -29,9 +29,9 @@ Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Engine engin
     gdm.resolution = resolution;
     gdm.height = sample.height();
     gdm.aspect = sample.aspect();
-    job.stage(0.0f, 0.05f);
+    job.stage(0.0f, 0.05f * end);
     const GdmBaker baker(sample, resolution, engine, job);
-    job.stage(0.05f, 1.0f);
+    job.stage(0.05f * end, end);
     gdm.values.resize(static_cast<std::size_t>(bytes / sizeof(float)));
     baker.bake(0, resolution.nphi, gdm.values.data(), job);
     gdm.ray_count = baker.rays_per_azimuth() * static_cast<std::uint64_t>(resolution.nphi);

@@ -98,31 +98,47 @@ Map compress(const Gdm& gdm, const Sdf* sdf, const CompressOptions& given, Job& 
     return map;
 }
 
-Map bake_map(const Sample& sample, const GdmResolution& resolution, Engine engine, const Sdf* sdf, const CompressOptions& given,
-             double memory, Job& job)
+BakePlan plan_bake(const GdmResolution& resolution, const CompressOptions& given, double memory)
 {
     check_resolution(resolution);
     const double azimuth = sizeof(float) * static_cast<double>(azimuth_size(resolution));
     const double whole = azimuth * resolution.nphi;
     const CompressOptions by_nodes = complete(given, resolution, true);
-    const CompressOptions options = complete(given, resolution, memory - bytes_beside(resolution, by_nodes) >= whole);
+    BakePlan plan;
+    plan.options = complete(given, resolution, memory - bytes_beside(resolution, by_nodes) >= whole);
+    const double beside = bytes_beside(resolution, plan.options);
+    const double least = plan.options.layout == Layout::nodes ? whole : azimuth;
+    plan.needed = beside + least;
+    if (memory >= plan.needed) {
+        const int most = static_cast<int>(std::min((memory - beside) / azimuth, static_cast<double>(resolution.nphi)));
+        // Blocks of one size, as far as that goes: an odd small one at the end would bake the poles for little.
+        plan.blocks = (resolution.nphi + most - 1) / most;
+        plan.azimuths = (resolution.nphi + plan.blocks - 1) / plan.blocks;
+        plan.used = beside + azimuth * plan.azimuths;
+    }
+    return plan;
+}
+
+Map bake_map(const Sample& sample, const GdmResolution& resolution, Engine engine, const Sdf* sdf, const CompressOptions& given,
+             double memory, Job& job)
+{
+    const BakePlan plan = plan_bake(resolution, given, memory);
+    const CompressOptions& options = plan.options;
     check_options(resolution, sample.height(), sample.aspect(), sdf, options);
-    const double left = memory - bytes_beside(resolution, options);
-    const double least = options.layout == Layout::nodes ? whole : azimuth;
-    if (!(left >= least)) {
-        throw InvalidArgument("this bake needs " + std::to_string(static_cast<long long>((memory - left + least) / 1e6) + 1) +
+    if (plan.blocks == 0) {
+        throw InvalidArgument("this bake needs " + std::to_string(static_cast<long long>(plan.needed / 1e6) + 1) +
                               " MB of memory, and its limit is " + std::to_string(static_cast<long long>(memory / 1e6)) +
                               "; raise the limit, or lower the resolution" +
                               (options.layout == Layout::nodes ? ", or choose the paper's layout" : ""));
     }
     Map map = empty_map(resolution, sample.height(), sample.aspect(), options);
     if (options.layout == Layout::nodes) {
-        Gdm gdm = bake_gdm(sample, resolution, engine, job);
+        const Gdm gdm = bake_gdm(sample, resolution, engine, job, 0.5f);
         compress_nodes(gdm, options, map, job, 0.5f, 1.0f);
     } else {
         job.stage(0.0f, 0.02f);
         const GdmBaker baker(sample, resolution, engine, job);
-        GdmBakedInBlocks source(baker, resolution, sample.height(), sample.aspect(), left);
+        GdmBakedInBlocks source(baker, resolution, sample.height(), sample.aspect(), plan.azimuths);
         compress_rows(source, options, map, job, 0.02f, 1.0f);
     }
     add_sdf(sdf, map);

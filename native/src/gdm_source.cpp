@@ -17,15 +17,9 @@ void GdmInMemory::walk(Job& job, float begin, float end, float, const Use& use)
     use(0, gdm_.resolution.nphi, gdm_.values.data());
 }
 
-GdmBakedInBlocks::GdmBakedInBlocks(const GdmBaker& baker, const GdmResolution& resolution, float height, float aspect,
-                                   double bytes)
-    : baker_(baker), resolution_(resolution), height_(height), aspect_(aspect)
+GdmBakedInBlocks::GdmBakedInBlocks(const GdmBaker& baker, const GdmResolution& resolution, float height, float aspect, int block)
+    : baker_(baker), resolution_(resolution), height_(height), aspect_(aspect), block_(block)
 {
-    const double each = sizeof(float) * static_cast<double>(azimuth_size(resolution));
-    const int most = static_cast<int>(std::clamp(bytes / each, 1.0, static_cast<double>(resolution.nphi)));
-    // Blocks of one size, as far as that goes: an odd small one at the end would bake the poles for little.
-    const int count = (resolution.nphi + most - 1) / most;
-    block_ = (resolution.nphi + count - 1) / count;
 }
 
 void GdmBakedInBlocks::walk(Job& job, float begin, float end, float share, const Use& use)

@@ -40,16 +40,15 @@ private:
     const Gdm& gdm_;
 };
 
-// Bakes as many azimuths at a time as `bytes` hold, at least one. What holds them all is baked once and kept.
+// Bakes `block` azimuths at a time, at least one. If those are all, they are baked once and kept.
 class GdmBakedInBlocks : public GdmSource {
 public:
-    GdmBakedInBlocks(const GdmBaker& baker, const GdmResolution& resolution, float height, float aspect, double bytes);
+    GdmBakedInBlocks(const GdmBaker& baker, const GdmResolution& resolution, float height, float aspect, int block);
     const GdmResolution& resolution() const override { return resolution_; }
     float height() const override { return height_; }
     float aspect() const override { return aspect_; }
     bool in_memory() const override { return kept_; }
     void walk(Job& job, float begin, float end, float share, const Use& use) override;
-    int blocks() const { return (resolution_.nphi + block_ - 1) / block_; }
 
 private:
     const GdmBaker& baker_;

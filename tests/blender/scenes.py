@@ -9,7 +9,8 @@ CENTER = np.array([0.5, 0.5 * ASPECT, 0.5 * HEIGHT])
 WIDTH = 2.0  # object units of one tile width: settings and positions must be divided by it
 
 # 8 directions times 8 heights: 64 terms are all there are.
-SMALL_BAKE = dict(resolution=(16, 20, 8), directions=(8, 16), sdf_resolution=(32, 40, 27), terms=64, precision="float")
+SMALL_BAKE = dict(resolution=(16, 20, 8), directions=(8, 16), sdf_resolution=(32, 40, 27), terms=64, layout="paper",
+                  precision="float")
 
 
 def everything():

@@ -9,7 +9,8 @@ import scenes
 
 BALL_POSITIONS, BALL_TRIANGLES = scenes.make_sphere_mesh(32, 64)
 # 4 directions times 9 heights: 36 terms are all there are.
-SMALL = dict(resolution=(16, 16, 9), directions=(4, 4), sdf_resolution=(16, 16, 9), terms=36, precision="float")
+SMALL = dict(resolution=(16, 16, 9), directions=(4, 4), sdf_resolution=(16, 16, 9), terms=36, layout="paper",
+             precision="float")
 
 
 @pytest.fixture

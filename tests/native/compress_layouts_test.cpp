@@ -8,7 +8,6 @@
 #include <Eigen/Dense>
 
 #include "check.h"
-#include "gdm_baker.h"
 #include "gdm_source.h"
 #include "gram.h"
 #include "mesoshell/compress.h"
@@ -219,32 +218,24 @@ TEST_F(CompressLayouts, ThreadsChangeNoBit)
 
 TEST_F(CompressLayouts, BlocksOfAzimuthsGiveTheSameMap)
 {
+    const CompressOptions wanted = options(Layout::paper, Precision::byte, 9);
     const Map whole = compressed(Layout::paper, Precision::byte, 9);
-    Job watched;
-    const GdmBaker baker(*sample, resolution, Engine::automatic, watched);
+    const std::vector<double> expected = distances(whole);
     const double azimuth = 4.0 * nodes * columns;
-    int baked = 0;
-    for (double memory = 1e6; baked < 12 && memory < 1e9; memory += azimuth / 2.0) {
+    const double least = plan_bake(resolution, wanted, 1.0).needed;
+    for (const auto& [memory, blocks] : {std::pair(least, 6), {least + azimuth, 3}, {least + 2 * azimuth, 2}, {1e9, 1}}) {
+        const BakePlan plan = plan_bake(resolution, wanted, memory);
+        EXPECT_EQ(plan.blocks, blocks);
+        EXPECT_LE(plan.used, memory);
         Job job;
-        try {
-            const Map map = bake_map(*sample, resolution, Engine::automatic, nullptr, options(Layout::paper, Precision::byte, 9),
-                                     memory, job);
-            EXPECT_NEAR(map.rmse, whole.rmse, 1e-6);
-            const std::vector<double> a = distances(map);
-            const std::vector<double> b = distances(whole);
-            double largest = 0.0;
-            for (std::size_t i = 0; i < a.size(); ++i) {
-                largest = std::max(largest, std::abs(a[i] - b[i]));
-            }
-            EXPECT_LT(largest, 0.02);  // two bytes' steps, should one fall on the other side
-            baked += 1;
-        } catch (const InvalidArgument& refusal) {
-            EXPECT_NE(std::string(refusal.what()).find("memory"), std::string::npos);
+        const Map map = bake_map(*sample, resolution, Engine::automatic, nullptr, wanted, memory, job);
+        EXPECT_NEAR(map.rmse, whole.rmse, 1e-6);
+        const std::vector<double> found = distances(map);
+        double largest = 0.0;
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            largest = std::max(largest, std::abs(found[i] - expected[i]));
         }
-    }
-    EXPECT_EQ(baked, 12);
-    for (const double blocks : {1.0, 2.0, 3.0, 6.0}) {
-        EXPECT_EQ(GdmBakedInBlocks(baker, resolution, 0.6f, 0.8f, azimuth * 6.0 / blocks).blocks(), static_cast<int>(blocks));
+        EXPECT_LT(largest, 0.02);  // two bytes' steps, should one fall on the other side
     }
 }
 

@@ -118,7 +118,9 @@ def bake_tile(request, progress=None):
         return attributes.volumes(surface, points, check)
 
     with _naming(surface.name, module):
-        packing.check_size(request.terms, request.resolution, request.directions, request.sdf_resolution)
+        plan = module.plan_bake(resolution=request.resolution, directions=request.directions, terms=request.terms or None,
+                                layout=request.layout, precision=request.precision, memory=request.memory)
+        packing.check_size(plan["terms"], request.resolution, request.directions, request.sdf_resolution)
         sample = module.Sample(surface.positions, surface.triangles, height=surface.height, aspect=surface.aspect,
                                thickness=surface.thickness)
     sdf = stage("sdf", lambda inner: module.bake_sdf(

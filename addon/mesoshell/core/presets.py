@@ -10,17 +10,18 @@ class Preset(NamedTuple):
     values: dict
 
 
-def _preset(identifier, label, description, nodes, directions, sdf):
-    return Preset(identifier, label, description, {"resolution": nodes, "directions": directions, "sdf_resolution": sdf})
+def _preset(identifier, label, description, nodes, directions, sdf, cells):
+    return Preset(identifier, label, description, {
+        "resolution": nodes, "directions": directions, "sdf_resolution": sdf, "leap_cells": cells, "attribute_resolution": sdf})
 
 
 PRESETS = (
     _preset('DRAFT', "Draft", "32 × 32 × 16 nodes, 8 × 16 directions: to see whether the tile is right",
-            (32, 32, 16), (8, 16), (32, 32, 17)),
+            (32, 32, 16), (8, 16), (32, 32, 17), (16, 16, 8)),
     _preset('PAPER', "Paper", "64 × 64 × 32 nodes, 16 × 32 directions, as in Wang et al. 2004",
-            (64, 64, 32), (16, 32), (64, 64, 33)),
+            (64, 64, 32), (16, 32), (64, 64, 33), (32, 32, 16)),
     _preset('HIGH', "High", "128 × 128 × 64 nodes, 32 × 64 directions",
-            (128, 128, 64), (32, 64), (128, 128, 65)),
+            (128, 128, 64), (32, 64), (128, 128, 65), (32, 32, 16)),
 )
 NAMES = tuple(PRESETS[0].values)
 

@@ -8,7 +8,14 @@ from . import instances, versions
 from .source_options import ONCE as _ONCE
 from .source_options import SourceOptions
 
+LAYOUTS = (
+    ("auto", "Best", "The layout with the smallest errors at equal bytes that the memory limit allows"),
+    ("nodes", "By Nodes", "A weight a node, eigenmaps over all directions and heights: smaller errors, more lookups"),
+    ("paper", "Paper", "A weight a node and azimuth, as in Wang et al. 2004: bakes in any memory"),
+    ("share", "Shares", "The paper's, of shares of the way through the tile: fewer wrong hits, errors near the horizon"),
+)
 PRECISIONS = (
+    ("byte", "Byte", "8 bits for nearly all numbers: half the size of halves, and the same errors"),
     ("half", "Half", "16-bit floats in the file"),
     ("float", "Float", "32-bit floats in the file"),
 )
@@ -38,9 +45,24 @@ class BakeOptions(SourceOptions):
                                   default=(16, 32), min=2, max=256, options=_ONCE)
     sdf_resolution: IntVectorProperty(name="SDF nodes", description="Nodes of the signed distance field", size=3,
                                       default=(64, 64, 33), min=2, max=1024, options=_ONCE)
-    terms: IntProperty(name="Terms", description="Terms of the singular value decomposition to keep", default=16,
-                       min=1, max=1024, options=_ONCE)
-    precision: EnumProperty(name="Precision", items=PRECISIONS, default="half", options=_ONCE)
+    leap_cells: IntVectorProperty(name="Leap cells", description="Cells of the table of safe leaps along u, v and w", size=3,
+                                  default=(32, 32, 16), min=1, max=256, options=_ONCE)
+    attribute_resolution: IntVectorProperty(name="Color nodes", description="Nodes of color, roughness, metallic and normal",
+                                            size=3, default=(64, 64, 33), min=2, max=1024, options=_ONCE)
+    terms: IntProperty(name="Terms", description="Terms of the singular value decomposition to keep; 0: as many as have the "
+                       "bytes of the paper's 16", default=0, min=0, max=1024, options=_ONCE)
+    layout: EnumProperty(name="Layout", description="Which matrix is decomposed", items=LAYOUTS, default="auto", options=_ONCE)
+    precision: EnumProperty(name="Precision", items=PRECISIONS, default="byte", options=_ONCE)
+    memory_limit: FloatProperty(name="Memory limit", description="Gigabytes that a bake may take; 0: a quarter of the machine's. "
+                                "A bake that needs more goes through in parts, which takes longer", default=0.0, min=0.0,
+                                soft_max=256.0, precision=1, options=_ONCE)
+
+    def quality(self, value):
+        """Arguments of a BakeRequest and of an estimate; `value(name)` is what holds for a property."""
+        names = ("resolution", "directions", "sdf_resolution", "leap_cells", "attribute_resolution")
+        return {name: tuple(value(name)) for name in names} | {
+            "terms": value("terms"), "layout": value("layout"), "precision": value("precision"),
+            "memory": 1e9 * value("memory_limit")}
 
 
 def _shows_surface(_self, obj):

@@ -4,7 +4,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import FloatProperty
 
-from ..core import jobs
+from ..core import estimate, jobs
 from . import handlers
 
 job = None  # core.jobs.Job while one runs
@@ -12,6 +12,7 @@ title = ""  # what the progress bar says
 report = ""  # the sentence that the last bake ended with
 failed = False  # whether `report` is an error
 notices = ()  # sentences on what the last bake made of its source
+correction = 1.0  # of estimated times, as this session's bakes have it
 
 
 def running():
@@ -29,6 +30,23 @@ def start(work, name):
 def finish(sentence, is_error, about_source=()):
     global job, report, failed, notices
     job, report, failed, notices = None, sentence, is_error, tuple(about_source)
+
+
+def learn(request, seconds):
+    """Corrects the next estimate by what a bake took."""
+    global correction
+    correction = seconds / estimated(request.threads, quality_of(request), 1.0).seconds
+
+
+def quality_of(request):
+    names = ("resolution", "directions", "sdf_resolution", "leap_cells", "attribute_resolution", "terms", "layout", "precision",
+             "memory")
+    return {name: getattr(request, name) for name in names}
+
+
+def estimated(threads, quality, factor=None):
+    """The Estimate of a bake of this quality (BakeOptions.quality); raises ValueError."""
+    return estimate.estimate(**quality, threads=threads, correction=correction if factor is None else factor)
 
 
 def fraction():

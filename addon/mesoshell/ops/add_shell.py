@@ -4,8 +4,7 @@ import bpy
 import numpy as np
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from ..host import map_cache, meshes, paths, properties, shells, versions
-from . import sentences
+from ..host import map_cache, meshes, paths, properties, sentences, shells, versions
 
 
 class MESOSHELL_OT_add_shell(bpy.types.Operator):

@@ -2,8 +2,7 @@
 
 import bpy
 
-from ..host import chosen_source, source_options, tile_box
-from . import sentences
+from ..host import chosen_source, sentences, source_options, tile_box
 
 _DISPLAY_SIZE = 0.5  # so that the empty's scale is the box's size
 

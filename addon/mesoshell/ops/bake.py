@@ -10,8 +10,7 @@ from bpy.props import IntProperty, StringProperty
 
 from ..core import native
 from ..core.bake_tile import BakeRequest, bake_tile, check_folder
-from ..host import bake_options, bake_state, chosen_source, paths, properties, source_options, versions
-from . import sentences
+from ..host import bake_options, bake_state, chosen_source, paths, properties, sentences, source_options, versions
 
 POLL_SECONDS = 0.1
 
@@ -114,10 +113,7 @@ class MESOSHELL_OT_bake(bake_options.BakeOptions, bpy.types.Operator):
         check_folder(path)
         surface = chosen_source.read(self._choice(context, value), context.evaluated_depsgraph_get(),
                                      source_options.options(value))
-        return BakeRequest(
-            surface=surface, path=path, resolution=tuple(value("resolution")), directions=tuple(value("directions")),
-            sdf_resolution=tuple(value("sdf_resolution")), terms=value("terms"), precision=value("precision"),
-            threads=self.threads)
+        return BakeRequest(surface=surface, path=path, threads=self.threads, **self.quality(value))
 
     def _choice(self, context, value):
         """What the call names; what it does not name, the scene does."""
@@ -148,8 +144,9 @@ class MESOSHELL_OT_bake(bake_options.BakeOptions, bpy.types.Operator):
 
     def _succeed(self, result, request):
         seconds = sum(result.seconds.values())
+        bake_state.learn(request, seconds)
         bake_state.finish(f'Baked "{request.surface.name}" to {result.path} in {seconds:.1f} s: {result.terms} terms, '
-                          f"RMSE {result.rmse:.3g} tile widths", False, result.notices)
+                          f"RMSE {result.rmse * request.resolution[0]:.2g} voxels", False, result.notices)
         for notice in result.notices:
             self.report({'WARNING'}, notice)
         self.report({'INFO'}, bake_state.report)

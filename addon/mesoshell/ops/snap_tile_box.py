@@ -4,8 +4,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty
 
-from ..host import chosen_source, source_options, tile_box
-from . import sentences
+from ..host import chosen_source, sentences, source_options, tile_box
 
 
 class MESOSHELL_OT_snap_tile_box(bpy.types.Operator):

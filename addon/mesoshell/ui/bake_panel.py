@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..host import bake_state, chosen_source, versions
+from ..host import bake_state, chosen_source, sentences, versions
 from .parts import SidebarPanel, draw_sentence, split_layout
 
 _OF_OBJECTS = {'OBJECT', 'SELECTION', 'COLLECTION'}
@@ -24,6 +24,7 @@ class MESOSHELL_PT_bake(SidebarPanel, bpy.types.Panel):
                                    context.window_manager, "mesoshell_bake_fraction")
             layout.operator("mesoshell.cancel_bake", text="Cancel (Esc)", icon='CANCEL')
             return
+        _draw_estimate(layout, context, settings)
         layout.operator_context = 'INVOKE_DEFAULT'
         layout.operator("mesoshell.bake", text="Bake", icon='RENDER_STILL')
         draw_sentence(layout, context, bake_state.report, 'ERROR' if bake_state.failed else 'INFO')
@@ -60,8 +61,19 @@ class MESOSHELL_PT_bake_quality(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         layout = split_layout(self)
         settings = context.scene.mesoshell
-        for name in ("resolution", "directions", "sdf_resolution", "terms", "precision"):
+        for name in ("resolution", "directions", "sdf_resolution", "leap_cells", "attribute_resolution"):
             layout.prop(settings, name)
+        _draw_all(layout, settings, "layout", "terms", "precision")
+        layout.prop(settings, "memory_limit")
+
+
+def _draw_estimate(layout, context, settings):
+    try:
+        estimate = bake_state.estimated(0, settings.quality(lambda name: getattr(settings, name)))
+    except sentences.expected() as error:
+        draw_sentence(layout, context, sentences.of(error), 'ERROR')
+    else:
+        draw_sentence(layout, context, estimate.sentence(), 'TIME' if estimate.plan["blocks"] else 'ERROR')
 
 
 def _draw_source(layout, context, settings):

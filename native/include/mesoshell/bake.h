@@ -56,7 +56,8 @@ struct Sdf {
 };
 
 // Throws InvalidArgument for a resolution out of range or one that needs more memory than there is; Cancelled.
-Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Engine engine, Job& job);
+// Covers the fractions up to `end` of the job.
+Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Engine engine, Job& job, float end = 1.0f);
 
 inline Gdm bake_gdm(const Sample& sample, const GdmResolution& resolution, Job& job)
 {

@@ -63,6 +63,16 @@ double term_bytes(const GdmResolution& resolution, const CompressOptions& option
 // tile; Cancelled.
 Map compress(const Gdm& gdm, const Sdf* sdf, const CompressOptions& options, Job& job);
 
+// What bake_map would do.
+struct BakePlan {
+    CompressOptions options;  // nothing left open
+    double needed = 0.0;      // bytes that it allocates at least
+    double used = 0.0;        // bytes that it allocates: at most the limit where that is enough
+    int azimuths = 0;         // of a block; 0 where the limit is too low
+    int blocks = 0;           // 1: the raw GDM is kept in memory
+};
+BakePlan plan_bake(const GdmResolution& resolution, const CompressOptions& options, double memory);
+
 // bake_gdm and compress without the raw GDM ever being whole in memory: blocks of azimuths stream through both, and are baked
 // again for every pass where `memory` (bytes, over all that the call allocates) does not hold them all. The layout `nodes`
 // needs them all. Throws as bake_gdm and compress do, and InvalidArgument where `memory` is too little.
