@@ -15,10 +15,10 @@ namespace {
 
 constexpr int rows_per_block = 512;
 
-// Shares of a block's time that go to baking it where it is not in memory, beside the Gram matrix and beside a projection.
-// Only the progress depends on them.
-constexpr float baking_beside_gram = 0.6f;
-constexpr float baking_beside_products = 0.9f;
+// What a sample costs, in nanoseconds on one thread: only the progress depends on these.
+constexpr float bake_cost = 12.0f;
+constexpr float gram_cost = 0.0105f;  // and for each column
+constexpr float products_cost = 1.0f;
 
 class RowCompression {
 public:
@@ -37,7 +37,14 @@ public:
 
     void run()
     {
-        gram_ = gram_matrix(source_, job_, begin_, at(0.7f), baking_beside_gram);
+        const float baking = source_.bakes() ? bake_cost : 0.0f;
+        const float gram = gram_cost * static_cast<float>(columns_);
+        const float again = source_.always_bakes() ? bake_cost : 0.0f;
+        const float whole = baking + gram + 2.0f * (again + products_cost);
+        weights_begin_ = (baking + gram) / whole;
+        errors_begin_ = 1.0f - (again + products_cost) / whole;
+        baking_beside_products_ = again / (again + products_cost);
+        gram_ = gram_matrix(source_, job_, begin_, at(weights_begin_), baking / (baking + gram));
         energy_ = gram_.trace();
         gram_ = scale_.asDiagonal() * gram_ * scale_.asDiagonal();
         if (options_.max_rmse > 0.0f) {
@@ -152,7 +159,7 @@ private:
         const int terms = map_.terms;
         const std::size_t rows = static_cast<std::size_t>(nodes_) * map_.resolution.nphi;
         map_.weights.resize(terms * rows);
-        source_.walk(job_, at(0.7f), at(0.85f), baking_beside_products, [&](int first, int count, const float* values) {
+        source_.walk(job_, at(weights_begin_), at(errors_begin_), baking_beside_products_, [&](int first, int count, const float* values) {
             for_blocks(count, [&](int row, int height) {
                 std::vector<float> block(static_cast<std::size_t>(height) * terms);
                 kernels().project(values + static_cast<std::size_t>(row) * columns_, height, columns_, basis.data(), terms,
@@ -174,7 +181,7 @@ private:
         const std::vector<float> basis = distance_basis(map_, 0);
         double squared = 0.0;
         float largest = 0.0f;
-        source_.walk(job_, at(0.85f), end_, baking_beside_products, [&](int first, int count, const float* values) {
+        source_.walk(job_, at(errors_begin_), end_, baking_beside_products_, [&](int first, int count, const float* values) {
             std::vector<simd::Residual> of_block((static_cast<std::size_t>(count) * nodes_ + rows_per_block - 1) / rows_per_block);
             for_blocks(count, [&](int row, int height) {
                 std::vector<float> block(static_cast<std::size_t>(height) * terms);
@@ -212,6 +219,10 @@ private:
     Job& job_;
     float begin_;
     float end_;
+    // Shares of the whole after which weights and errors are looked for, and what baking is of a block there.
+    float weights_begin_ = 0.0f;
+    float errors_begin_ = 0.0f;
+    float baking_beside_products_ = 0.0f;
     int columns_;
     int nodes_;
     std::vector<float> exits_;  // of the columns, tile widths

@@ -19,8 +19,9 @@ public:
     virtual const GdmResolution& resolution() const = 0;
     virtual float height() const = 0;
     virtual float aspect() const = 0;
-    // Whether a walk costs nothing but reading.
-    virtual bool in_memory() const = 0;
+    // Whether the next walk bakes, and whether every walk does.
+    virtual bool bakes() const = 0;
+    virtual bool always_bakes() const = 0;
     // Calls `use` for blocks of azimuths, in order, each within a stage of the job, all of them within [begin, end]; `share` of a
     // block's time goes to baking it where it is not in memory.
     virtual void walk(Job& job, float begin, float end, float share, const Use& use) = 0;
@@ -32,9 +33,9 @@ public:
     const GdmResolution& resolution() const override { return gdm_.resolution; }
     float height() const override { return gdm_.height; }
     float aspect() const override { return gdm_.aspect; }
-    bool in_memory() const override { return true; }
+    bool bakes() const override { return false; }
+    bool always_bakes() const override { return false; }
     void walk(Job& job, float begin, float end, float share, const Use& use) override;
-    const float* values() const { return gdm_.values.data(); }
 
 private:
     const Gdm& gdm_;
@@ -47,7 +48,8 @@ public:
     const GdmResolution& resolution() const override { return resolution_; }
     float height() const override { return height_; }
     float aspect() const override { return aspect_; }
-    bool in_memory() const override { return kept_; }
+    bool bakes() const override { return !kept_; }
+    bool always_bakes() const override { return block_ < resolution_.nphi; }
     void walk(Job& job, float begin, float end, float share, const Use& use) override;
 
 private:
