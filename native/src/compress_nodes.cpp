@@ -20,12 +20,12 @@ constexpr int extra_directions = 12;  // of the subspace, beyond the terms wante
 constexpr int power_steps = 2;  // more than these lower the error by half a percent (docs/architecture.md, "What was measured")
 constexpr int rows_per_block = 256;
 
-// A GDM as one matrix, [nodes, nphi columns]; azimuth phi's share of the columns is a block of the raw array.
+// A GDM as one matrix, [nodes, wide]; azimuth phi's share of the columns is a block of the raw array.
 class NodeMatrix {
 public:
     NodeMatrix(const Gdm& gdm, Job& job)
-        : gdm_(gdm), job_(job), nodes(gdm.resolution.nodes.x * gdm.resolution.nodes.y),
-          columns(gdm.resolution.ntheta * gdm.resolution.nodes.z), azimuths(gdm.resolution.nphi)
+        : nodes(gdm.resolution.nodes.x * gdm.resolution.nodes.y), columns(gdm.resolution.ntheta * gdm.resolution.nodes.z),
+          azimuths(gdm.resolution.nphi), wide(static_cast<Eigen::Index>(azimuths) * columns), gdm_(gdm), job_(job)
     {
     }
 
@@ -34,15 +34,15 @@ public:
         return gdm_.values.data() + (static_cast<std::size_t>(azimuth) * nodes + node) * columns;
     }
 
-    // matrix * right^T, right [k, azimuths columns]: [nodes, k]
+    // matrix * right, right [wide, k]: [nodes, k]
     RowMatrix times(const RowMatrix& right, float part)
     {
-        const int k = static_cast<int>(right.rows());
+        const int k = static_cast<int>(right.cols());
         RowMatrix product = RowMatrix::Zero(nodes, k);
-        for_blocks(part, [&](int node, int height) {
+        for_blocks(nodes, part, [&](int node, int height) {
             RowMatrix basis(k, columns), sum(height, k);
             for (int phi = 0; phi < azimuths && !job_.cancelled(); ++phi) {
-                basis = right.middleCols(static_cast<Eigen::Index>(phi) * columns, columns);
+                basis = right.middleRows(static_cast<Eigen::Index>(phi) * columns, columns).transpose();
                 kernels().project(rows(phi, node), height, columns, basis.data(), k, sum.data());
                 product.middleRows(node, height) += sum;
             }
@@ -50,11 +50,11 @@ public:
         return product;
     }
 
-    // left^T * matrix, left [nodes, k]: [k, azimuths columns]
+    // matrix^T * left, left [nodes, k]: [wide, k]
     RowMatrix transposed_times(const RowMatrix& left, float part)
     {
         const int k = static_cast<int>(left.cols());
-        RowMatrix product(k, static_cast<Eigen::Index>(azimuths) * columns);
+        RowMatrix product(wide, k);
         parallel_for(job_, azimuths, [&](int phi) {
             RowMatrix sum = RowMatrix::Zero(k, columns);
             for (int node = 0; node < nodes && !job_.cancelled(); node += rows_per_block) {
@@ -62,40 +62,72 @@ public:
                 kernels().project_transposed(rows(phi, node), height, columns, left.data() + static_cast<std::size_t>(node) * k, k,
                                              sum.data());
             }
-            product.middleCols(static_cast<Eigen::Index>(phi) * columns, columns) = sum;
+            product.middleRows(static_cast<Eigen::Index>(phi) * columns, columns) = sum.transpose();
         }, part);
         return product;
     }
 
-    template <typename Visit>
-    void for_blocks(float part, const Visit& visit)
+    // Orthonormal columns of the same span, by Cholesky's factor of the Gram matrix, twice (Fukaya et al. 2014, "CholeskyQR2"):
+    // unlike Householder's, it works in blocks of rows.
+    RowMatrix orthonormal(RowMatrix matrix)
     {
-        parallel_for(job_, (nodes + rows_per_block - 1) / rows_per_block, [&](int block) {
-            visit(block * rows_per_block, std::min(rows_per_block, nodes - block * rows_per_block));
+        for (int pass = 0; pass < 2; ++pass) {
+            const Eigen::MatrixXd gram = gram_of(matrix);
+            const Eigen::LLT<Eigen::MatrixXd> factor(gram);
+            if (factor.info() != Eigen::Success) {  // fewer directions than columns
+                const Eigen::HouseholderQR<Eigen::MatrixXf> qr(matrix);
+                return qr.householderQ() * Eigen::MatrixXf::Identity(matrix.rows(), matrix.cols());
+            }
+            // Rows times the inverse of the upper factor.
+            const Eigen::Index k = matrix.cols();
+            const RowMatrix inverse = Eigen::MatrixXd(factor.matrixL().solve(Eigen::MatrixXd::Identity(k, k))).cast<float>();
+            RowMatrix turned(matrix.rows(), k);
+            for_blocks(static_cast<int>(matrix.rows()), 0.0f, [&](int row, int height) {
+                kernels().project(matrix.data() + row * k, height, static_cast<int>(k), inverse.data(), static_cast<int>(k),
+                                  turned.data() + row * k);
+            });
+            matrix.swap(turned);
+        }
+        return matrix;
+    }
+
+    // matrix^T matrix, in double precision across blocks; the same bits whatever the number of threads.
+    Eigen::MatrixXd gram_of(const RowMatrix& matrix)
+    {
+        using Sums = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+        const int k = static_cast<int>(matrix.cols());
+        const int height = static_cast<int>(matrix.rows());
+        constexpr int parts = 16;
+        std::vector<Sums> sums(parts);
+        parallel_for(job_, parts, [&](int part) {
+            sums[part] = Sums::Zero(k, k);
+            const int first = static_cast<int>(static_cast<std::int64_t>(height) * part / parts);
+            const int last = static_cast<int>(static_cast<std::int64_t>(height) * (part + 1) / parts);
+            kernels().add_gram({matrix.data() + static_cast<std::size_t>(first) * k, 1, 0, last - first, k}, k, sums[part].data());
+        }, 0.0f);
+        for (int part = 1; part < parts; ++part) {
+            sums[0] += sums[part];
+        }
+        return sums[0].selfadjointView<Eigen::Upper>();
+    }
+
+    template <typename Visit>
+    void for_blocks(int rows, float part, const Visit& visit)
+    {
+        parallel_for(job_, (rows + rows_per_block - 1) / rows_per_block, [&](int block) {
+            visit(block * rows_per_block, std::min(rows_per_block, rows - block * rows_per_block));
         }, part);
     }
+
+    const int nodes;
+    const int columns;  // of an azimuth
+    const int azimuths;
+    const Eigen::Index wide;
 
 private:
     const Gdm& gdm_;
     Job& job_;
-
-public:
-    const int nodes;
-    const int columns;  // of an azimuth
-    const int azimuths;
 };
-
-RowMatrix orthonormal_rows(const RowMatrix& matrix)
-{
-    const Eigen::HouseholderQR<Eigen::MatrixXf> qr(matrix.transpose());
-    return (qr.householderQ() * Eigen::MatrixXf::Identity(matrix.cols(), matrix.rows())).transpose();
-}
-
-RowMatrix orthonormal_columns(const RowMatrix& matrix)
-{
-    const Eigen::HouseholderQR<Eigen::MatrixXf> qr(matrix);
-    return qr.householderQ() * Eigen::MatrixXf::Identity(matrix.rows(), matrix.cols());
-}
 
 void find_errors(NodeMatrix& matrix, Map& map, float part)
 {
@@ -104,7 +136,7 @@ void find_errors(NodeMatrix& matrix, Map& map, float part)
         bases.push_back(distance_basis(map, phi));
     }
     std::vector<simd::Residual> of_block((matrix.nodes + rows_per_block - 1) / rows_per_block);
-    matrix.for_blocks(part, [&](int node, int height) {
+    matrix.for_blocks(matrix.nodes, part, [&](int node, int height) {
         std::vector<float> weights(static_cast<std::size_t>(height) * map.terms);
         for (int i = 0; i < height; ++i) {
             for (int term = 0; term < map.terms; ++term) {
@@ -136,24 +168,22 @@ void decompose(NodeMatrix& matrix, int terms, Map& map, Job& job, float begin, f
 {
     job.stage(begin, end);
     constexpr float part = 1.0f / (2 * power_steps + 3);
-    const Eigen::Index wide = static_cast<Eigen::Index>(matrix.azimuths) * matrix.columns;
+    const Eigen::Index wide = matrix.wide;
     const int k = static_cast<int>(std::min<Eigen::Index>(terms + extra_directions, std::min<Eigen::Index>(matrix.nodes, wide)));
-    RowMatrix start(k, wide);
+    RowMatrix start(wide, k);
     std::mt19937 random(1);
     std::generate(start.data(), start.data() + start.size(), [&] { return static_cast<float>(random()) * 0x1p-31f - 1.0f; });
-    RowMatrix left = orthonormal_columns(matrix.times(start, part));
+    RowMatrix left = matrix.orthonormal(matrix.times(start, part));
     for (int step = 0; step < power_steps; ++step) {
-        job.throw_if_cancelled();
-        const RowMatrix right = orthonormal_rows(matrix.transposed_times(left, part));
-        job.throw_if_cancelled();
-        left = orthonormal_columns(matrix.times(right, part));
+        const RowMatrix right = matrix.orthonormal(matrix.transposed_times(left, part));
+        left = matrix.orthonormal(matrix.times(right, part));
     }
     const RowMatrix core = matrix.transposed_times(left, part);
-    const Eigen::MatrixXd squared = core.cast<double>() * core.cast<double>().transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(squared);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix.gram_of(core));
+    job.throw_if_cancelled();
     const Eigen::MatrixXf turn = solver.eigenvectors().rowwise().reverse().leftCols(terms).cast<float>();
-    RowMatrix eigenmaps = turn.transpose() * core;  // orthogonal rows of the singular values' lengths
-    RowMatrix weights = (left * turn).transpose();  // [terms, nodes], orthonormal
+    RowMatrix eigenmaps = turn.transpose() * core.transpose();  // orthogonal rows of the singular values' lengths
+    RowMatrix weights = (left * turn).transpose();              // [terms, nodes], orthonormal
     for (int term = 0; term < terms; ++term) {
         const float length = eigenmaps.row(term).norm();
         if (length > 0.0f) {

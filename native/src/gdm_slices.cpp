@@ -16,7 +16,7 @@ constexpr double steps_per_node = 1 << simd::lattice_bits;
 // Of fixed-point coordinates, so that differences of two still fit 32 bits.
 constexpr double largest_coordinate = 1 << 29;
 // Triangles between two looks at whether the job was cancelled.
-constexpr int batch = 1 << 15;
+constexpr int batch = 1 << 11;
 
 // Whole part, toward minus infinity, of a number below largest_coordinate: a cast alone truncates, and calling floor
 // for every vertex costs more than all else here.
