@@ -11,12 +11,12 @@
 #include "tile_space.h"
 
 namespace mesoshell {
-namespace shader_octahedral {
+namespace shader_leap {
 
 using namespace glm;  // NOLINT: the shader text speaks GLSL
-#include "../../shaders/lib/octahedral.glsl"
+#include "../../shaders/lib/leap.glsl"
 
-}  // namespace shader_octahedral
+}  // namespace shader_leap
 
 namespace {
 
@@ -212,33 +212,39 @@ Leaps bake_leaps(const Sample& sample, const LeapResolution& resolution, Job& jo
 
 int octahedral_bin(const glm::vec3& dir_metric, int directions)
 {
-    return shader_octahedral::octahedral_bin(dir_metric, directions);
+    return shader_leap::octahedral_bin(dir_metric, directions);
 }
 
 float lookup_leap(const Leaps& leaps, const glm::vec3& pos_texture, const glm::vec3& dir_metric)
 {
-    const glm::vec3 place(glm::fract(pos_texture.x), glm::fract(pos_texture.y), pos_texture.z);
-    const glm::vec3 cell = place * glm::vec3(leaps.cells);
-    const glm::ivec3 inside(glm::clamp(cell, glm::vec3(0.0f), glm::vec3(leaps.cells - 1)));
-    return leap_unit * static_cast<float>(leaps.values[leaps.index(octahedral_bin(dir_metric, leaps.directions), inside)]);
+    const glm::ivec3 cell(shader_leap::leap_cell(pos_texture, glm::vec3(leaps.cells)));
+    const int bin = octahedral_bin(dir_metric, leaps.directions);
+    return leap_unit * static_cast<float>(leaps.values[leaps.index(bin, cell)]);
 }
 
-std::vector<float> lookup_leaps(const Leaps& leaps, std::span<const glm::vec3> pos_texture,
+float leap_length(const Leaps& leaps, const glm::vec3& pos_texture, const glm::vec3& dir_metric)
+{
+    const glm::vec3 scale(1.0f, leaps.aspect, leaps.height);
+    return shader_leap::leap_length(pos_texture, dir_metric, glm::vec3(leaps.cells), scale,
+                                    lookup_leap(leaps, pos_texture, dir_metric));
+}
+
+std::vector<float> leap_lengths(const Leaps& leaps, std::span<const glm::vec3> pos_texture,
                                 std::span<const glm::vec3> dir_metric)
 {
     if (pos_texture.size() != dir_metric.size()) {
         throw InvalidArgument("there are " + std::to_string(pos_texture.size()) + " positions and " +
                               std::to_string(dir_metric.size()) + " directions; give one direction for each position");
     }
-    std::vector<float> bounds(pos_texture.size());
-    for (std::size_t i = 0; i < bounds.size(); ++i) {
+    std::vector<float> lengths(pos_texture.size());
+    for (std::size_t i = 0; i < lengths.size(); ++i) {
         const float length = glm::length(dir_metric[i]);
         if (!(length > 0.0f) || !std::isfinite(length) || !std::isfinite(glm::length(pos_texture[i]))) {
             throw InvalidArgument("ray " + std::to_string(i) + " is not finite or has no direction; leave it out");
         }
-        bounds[i] = lookup_leap(leaps, pos_texture[i], dir_metric[i]);
+        lengths[i] = leap_length(leaps, pos_texture[i], dir_metric[i] / length);
     }
-    return bounds;
+    return lengths;
 }
 
 }  // namespace mesoshell
