@@ -78,8 +78,8 @@ void measure_block(const Tile& tile, const BinCone& cone, Block& block)
     block.nearest = static_cast<std::uint8_t>(nearest);
 }
 
-// The blocks that a bin's rays can reach, nearest first.
-std::vector<Block> blocks_within_reach(const Tile& tile, int bin)
+// The blocks that a bin's rays can reach, nearest first; some of them where the job was cancelled.
+std::vector<Block> blocks_within_reach(const Tile& tile, int bin, const Job& job)
 {
     const BinCone cone(bin, tile.directions);
     const auto misses = [&](const glm::ivec3& first, const glm::ivec3& last) {
@@ -88,7 +88,7 @@ std::vector<Block> blocks_within_reach(const Tile& tile, int bin)
     const glm::ivec3 most(static_cast<int>(tile.limit * double(leap_unit) / tile.side.x) + 2,
                           static_cast<int>(tile.limit * double(leap_unit) / tile.side.y) + 2, tile.cells.z - 1);
     std::vector<Block> blocks;
-    for (int z = -most.z; z <= most.z; ++z) {
+    for (int z = -most.z; z <= most.z && !job.cancelled(); ++z) {
         if (misses({-most.x, -most.y, z}, {most.x, most.y, z})) {
             continue;
         }
@@ -150,7 +150,7 @@ int bound_of_cell(const Tile& tile, int x, int y, std::span<const Step> steps, c
 
 void bake_bin(const Tile& tile, int bin, const SurfaceVoxels& voxels, Leaps& leaps, Job& job)
 {
-    const std::vector<Block> blocks = blocks_within_reach(tile, bin);
+    const std::vector<Block> blocks = blocks_within_reach(tile, bin, job);
     const std::vector<std::uint64_t> marks = voxels.of_bin(bin);
     const std::size_t layer_size = static_cast<std::size_t>(tile.cells.y) * tile.cells.x;
     std::vector<std::uint64_t> layers(tile.cells.z, 0);  // the marks of all cells of a layer
