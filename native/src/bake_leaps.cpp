@@ -1,8 +1,11 @@
 #include "mesoshell/leaps.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <string>
 
 #include "direction_bins.h"
@@ -78,6 +81,21 @@ void measure_block(const Tile& tile, const BinCone& cone, Block& block)
     block.nearest = static_cast<std::uint8_t>(nearest);
 }
 
+// A counting sort, which leaves equally near ones in order.
+std::vector<Block> nearest_first(std::span<const Block> blocks)
+{
+    std::array<std::size_t, 257> place{};
+    for (const Block& block : blocks) {
+        place[block.nearest + 1] += 1;
+    }
+    std::partial_sum(place.begin(), place.end(), place.begin());
+    std::vector<Block> sorted(blocks.size());
+    for (const Block& block : blocks) {
+        sorted[place[block.nearest]++] = block;
+    }
+    return sorted;
+}
+
 // The blocks that a bin's rays can reach, nearest first; some of them where the job was cancelled.
 std::vector<Block> blocks_within_reach(const Tile& tile, int bin, const Job& job)
 {
@@ -104,17 +122,14 @@ std::vector<Block> blocks_within_reach(const Tile& tile, int bin, const Job& job
                 }
                 measure_block(tile, cone, block);
                 if (block.reach != 0) {
+                    block.offset.x = (x % tile.cells.x + tile.cells.x) % tile.cells.x;
+                    block.offset.y = (y % tile.cells.y + tile.cells.y) % tile.cells.y;
                     blocks.push_back(block);
                 }
             }
         }
     }
-    std::stable_sort(blocks.begin(), blocks.end(), [](const Block& a, const Block& b) { return a.nearest < b.nearest; });
-    for (Block& block : blocks) {
-        block.offset.x = (block.offset.x % tile.cells.x + tile.cells.x) % tile.cells.x;
-        block.offset.y = (block.offset.y % tile.cells.y + tile.cells.y) % tile.cells.y;
-    }
-    return blocks;
+    return nearest_first(blocks);
 }
 
 // The blocks that lie in the slab, seen from a layer of cells, and hold anything that can be reached in any place of theirs.
@@ -157,14 +172,11 @@ void bake_bin(const Tile& tile, int bin, const SurfaceVoxels& voxels, Leaps& lea
     for (std::size_t cell = 0; cell < marks.size(); ++cell) {
         layers[cell / layer_size] |= marks[cell];
     }
-    for (int z = 0; z < tile.cells.z; ++z) {
+    for (int z = 0; z < tile.cells.z && !job.cancelled(); ++z) {
         const std::vector<Step> steps = steps_from(tile, z, blocks, layers);
         for (int y = 0; y < tile.cells.y; ++y) {
-            if (job.cancelled()) {
-                return;
-            }
             std::uint8_t* const row = leaps.values.data() + leaps.index(bin, {0, y, z});
-            for (int x = 0; x < tile.cells.x; ++x) {
+            for (int x = 0; x < tile.cells.x && !job.cancelled(); ++x) {
                 row[x] = static_cast<std::uint8_t>(bound_of_cell(tile, x, y, steps, marks.data()));
             }
         }
