@@ -39,10 +39,10 @@ PyObject* leaps_lookup(PyObject* self, PyObject* args)
         const ArrayArgument<float> dir(state_of(self), directions, "dir_metric", 3);
         const auto leaps = unbox<Leaps>(self);
         Job job;
-        std::vector<float> bounds =
-            run(job, nullptr, [&] { return lookup_leaps(*leaps, pos.rows<glm::vec3>(), dir.rows<glm::vec3>()); });
-        const auto count = static_cast<Py_ssize_t>(bounds.size());
-        return array_from(state_of(self), std::move(bounds), 'f', {count});
+        std::vector<float> lengths =
+            run(job, nullptr, [&] { return leap_lengths(*leaps, pos.rows<glm::vec3>(), dir.rows<glm::vec3>()); });
+        const auto count = static_cast<Py_ssize_t>(lengths.size());
+        return array_from(state_of(self), std::move(lengths), 'f', {count});
     });
 }
 
@@ -60,8 +60,8 @@ PyGetSetDef leaps_attributes[] = {
 
 PyMethodDef leaps_methods[] = {
     {"lookup", leaps_lookup, METH_VARARGS,
-     "lookup(pos_texture, dir_metric)\n--\n\nThe bounds of rays: float32 [n], tile widths, of positions [n, 3] and "
-     "directions [n, 3], as a traversal finds them."},
+     "lookup(pos_texture, dir_metric)\n--\n\nHow far rays may go: float32 [n], tile widths, from positions [n, 3] along "
+     "directions [n, 3]: to the end of the cell, and as far as its bound from there."},
     {nullptr, nullptr, 0, nullptr},
 };
 

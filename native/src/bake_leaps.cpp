@@ -1,8 +1,11 @@
 #include "mesoshell/leaps.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <string>
 
 #include "direction_bins.h"
@@ -11,12 +14,12 @@
 #include "tile_space.h"
 
 namespace mesoshell {
-namespace shader_octahedral {
+namespace shader_leap {
 
 using namespace glm;  // NOLINT: the shader text speaks GLSL
-#include "../../shaders/lib/octahedral.glsl"
+#include "../../shaders/lib/leap.glsl"
 
-}  // namespace shader_octahedral
+}  // namespace shader_leap
 
 namespace {
 
@@ -78,8 +81,23 @@ void measure_block(const Tile& tile, const BinCone& cone, Block& block)
     block.nearest = static_cast<std::uint8_t>(nearest);
 }
 
-// The blocks that a bin's rays can reach, nearest first.
-std::vector<Block> blocks_within_reach(const Tile& tile, int bin)
+// A counting sort, which leaves equally near ones in order.
+std::vector<Block> nearest_first(std::span<const Block> blocks)
+{
+    std::array<std::size_t, 257> place{};
+    for (const Block& block : blocks) {
+        place[block.nearest + 1] += 1;
+    }
+    std::partial_sum(place.begin(), place.end(), place.begin());
+    std::vector<Block> sorted(blocks.size());
+    for (const Block& block : blocks) {
+        sorted[place[block.nearest]++] = block;
+    }
+    return sorted;
+}
+
+// The blocks that a bin's rays can reach, nearest first; some of them where the job was cancelled.
+std::vector<Block> blocks_within_reach(const Tile& tile, int bin, const Job& job)
 {
     const BinCone cone(bin, tile.directions);
     const auto misses = [&](const glm::ivec3& first, const glm::ivec3& last) {
@@ -88,7 +106,7 @@ std::vector<Block> blocks_within_reach(const Tile& tile, int bin)
     const glm::ivec3 most(static_cast<int>(tile.limit * double(leap_unit) / tile.side.x) + 2,
                           static_cast<int>(tile.limit * double(leap_unit) / tile.side.y) + 2, tile.cells.z - 1);
     std::vector<Block> blocks;
-    for (int z = -most.z; z <= most.z; ++z) {
+    for (int z = -most.z; z <= most.z && !job.cancelled(); ++z) {
         if (misses({-most.x, -most.y, z}, {most.x, most.y, z})) {
             continue;
         }
@@ -104,17 +122,14 @@ std::vector<Block> blocks_within_reach(const Tile& tile, int bin)
                 }
                 measure_block(tile, cone, block);
                 if (block.reach != 0) {
+                    block.offset.x = (x % tile.cells.x + tile.cells.x) % tile.cells.x;
+                    block.offset.y = (y % tile.cells.y + tile.cells.y) % tile.cells.y;
                     blocks.push_back(block);
                 }
             }
         }
     }
-    std::stable_sort(blocks.begin(), blocks.end(), [](const Block& a, const Block& b) { return a.nearest < b.nearest; });
-    for (Block& block : blocks) {
-        block.offset.x = (block.offset.x % tile.cells.x + tile.cells.x) % tile.cells.x;
-        block.offset.y = (block.offset.y % tile.cells.y + tile.cells.y) % tile.cells.y;
-    }
-    return blocks;
+    return nearest_first(blocks);
 }
 
 // The blocks that lie in the slab, seen from a layer of cells, and hold anything that can be reached in any place of theirs.
@@ -150,21 +165,18 @@ int bound_of_cell(const Tile& tile, int x, int y, std::span<const Step> steps, c
 
 void bake_bin(const Tile& tile, int bin, const SurfaceVoxels& voxels, Leaps& leaps, Job& job)
 {
-    const std::vector<Block> blocks = blocks_within_reach(tile, bin);
+    const std::vector<Block> blocks = blocks_within_reach(tile, bin, job);
     const std::vector<std::uint64_t> marks = voxels.of_bin(bin);
     const std::size_t layer_size = static_cast<std::size_t>(tile.cells.y) * tile.cells.x;
     std::vector<std::uint64_t> layers(tile.cells.z, 0);  // the marks of all cells of a layer
     for (std::size_t cell = 0; cell < marks.size(); ++cell) {
         layers[cell / layer_size] |= marks[cell];
     }
-    for (int z = 0; z < tile.cells.z; ++z) {
+    for (int z = 0; z < tile.cells.z && !job.cancelled(); ++z) {
         const std::vector<Step> steps = steps_from(tile, z, blocks, layers);
         for (int y = 0; y < tile.cells.y; ++y) {
-            if (job.cancelled()) {
-                return;
-            }
             std::uint8_t* const row = leaps.values.data() + leaps.index(bin, {0, y, z});
-            for (int x = 0; x < tile.cells.x; ++x) {
+            for (int x = 0; x < tile.cells.x && !job.cancelled(); ++x) {
                 row[x] = static_cast<std::uint8_t>(bound_of_cell(tile, x, y, steps, marks.data()));
             }
         }
@@ -212,33 +224,39 @@ Leaps bake_leaps(const Sample& sample, const LeapResolution& resolution, Job& jo
 
 int octahedral_bin(const glm::vec3& dir_metric, int directions)
 {
-    return shader_octahedral::octahedral_bin(dir_metric, directions);
+    return shader_leap::octahedral_bin(dir_metric, directions);
 }
 
 float lookup_leap(const Leaps& leaps, const glm::vec3& pos_texture, const glm::vec3& dir_metric)
 {
-    const glm::vec3 place(glm::fract(pos_texture.x), glm::fract(pos_texture.y), pos_texture.z);
-    const glm::vec3 cell = place * glm::vec3(leaps.cells);
-    const glm::ivec3 inside(glm::clamp(cell, glm::vec3(0.0f), glm::vec3(leaps.cells - 1)));
-    return leap_unit * static_cast<float>(leaps.values[leaps.index(octahedral_bin(dir_metric, leaps.directions), inside)]);
+    const glm::ivec3 cell(shader_leap::leap_cell(pos_texture, glm::vec3(leaps.cells)));
+    const int bin = octahedral_bin(dir_metric, leaps.directions);
+    return leap_unit * static_cast<float>(leaps.values[leaps.index(bin, cell)]);
 }
 
-std::vector<float> lookup_leaps(const Leaps& leaps, std::span<const glm::vec3> pos_texture,
+float leap_length(const Leaps& leaps, const glm::vec3& pos_texture, const glm::vec3& dir_metric)
+{
+    const glm::vec3 scale(1.0f, leaps.aspect, leaps.height);
+    return shader_leap::leap_length(pos_texture, dir_metric, glm::vec3(leaps.cells), scale,
+                                    lookup_leap(leaps, pos_texture, dir_metric));
+}
+
+std::vector<float> leap_lengths(const Leaps& leaps, std::span<const glm::vec3> pos_texture,
                                 std::span<const glm::vec3> dir_metric)
 {
     if (pos_texture.size() != dir_metric.size()) {
         throw InvalidArgument("there are " + std::to_string(pos_texture.size()) + " positions and " +
                               std::to_string(dir_metric.size()) + " directions; give one direction for each position");
     }
-    std::vector<float> bounds(pos_texture.size());
-    for (std::size_t i = 0; i < bounds.size(); ++i) {
+    std::vector<float> lengths(pos_texture.size());
+    for (std::size_t i = 0; i < lengths.size(); ++i) {
         const float length = glm::length(dir_metric[i]);
         if (!(length > 0.0f) || !std::isfinite(length) || !std::isfinite(glm::length(pos_texture[i]))) {
             throw InvalidArgument("ray " + std::to_string(i) + " is not finite or has no direction; leave it out");
         }
-        bounds[i] = lookup_leap(leaps, pos_texture[i], dir_metric[i]);
+        lengths[i] = leap_length(leaps, pos_texture[i], dir_metric[i] / length);
     }
-    return bounds;
+    return lengths;
 }
 
 }  // namespace mesoshell

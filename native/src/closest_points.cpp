@@ -122,6 +122,7 @@ SurfacePoints closest_points(const Sample& sample, const glm::ivec3& nodes, Job&
     check_memory("the attributes", 64.0 * nodes.x * nodes.y * nodes.z, "lower their resolution");
     job.throw_if_cancelled();
     const Surface given(input_within_slab(sample), sample);
+    job.throw_if_cancelled();
     const Surface repaired(whole(sample.slab_positions(), sample.slab_triangles()), sample);
 
     SurfacePoints points;

@@ -9,6 +9,7 @@
 
 #include "mesoshell/job.h"
 #include "mesoshell/sample.h"
+#include "mesoshell/uninitialized.h"
 
 namespace mesoshell {
 
@@ -29,13 +30,14 @@ public:
     static double bytes(const glm::ivec3& cells, int directions);
 
 private:
+    void clear(Job& job);
     void mark(const Sample& sample, int directions, Job& job);
     void transpose(Job& job);
 
     glm::ivec3 cells_;
     std::size_t groups_;  // of 64 bins
     // [group, cell, 64], a bit a bin of each voxel at first; transposed: a bit a voxel of each bin
-    std::vector<std::uint64_t> marks_;
+    UninitializedVector<std::uint64_t> marks_;
 };
 
 }  // namespace mesoshell

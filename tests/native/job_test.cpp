@@ -104,6 +104,8 @@ TEST(JobCancel, BakeSdf)
 TEST(JobCancel, BakeLeaps)
 {
     check_cancelling([](Job& job) { bake_leaps(ball().sample(0.6f), {glm::ivec3(64), 16}, job); });
+    // Few bins, each of which takes a second alone.
+    check_cancelling([](Job& job) { bake_leaps(ball().sample(0.6f), {glm::ivec3(64), 2}, job); });
 }
 
 TEST(JobCancel, ClosestPoints)

@@ -222,6 +222,26 @@ TEST(Leaps, LookupIsPeriodicAndClamped)
     EXPECT_EQ(lookup_leap(leaps, {0.85f, 0.4f, 0.99f}, 5.0f * dir), bound);
 }
 
+TEST(Leaps, ALeapIsTheWayOutOfTheCellAndTheBound)
+{
+    // Cells are 1/4 x 1/4 x 1/8; the ball is far below.
+    const Leaps leaps = bake(sphere({0.3f, 0.4f, 0.1f}, 0.05f, 9, 13).sample(0.5f), {{4, 4, 4}, 4});
+    const auto leap = [&](const glm::vec3& pos, const glm::vec3& dir) {
+        return leap_length(leaps, pos, glm::normalize(dir)) - lookup_leap(leaps, pos, dir);
+    };
+    EXPECT_NEAR(leap({0.30f, 0.30f, 0.80f}, {1, 0, 0}), 0.20f, 1e-6f);
+    EXPECT_NEAR(leap({0.30f, 0.30f, 0.80f}, {-1, 0, 0}), 0.05f, 1e-6f);
+    EXPECT_NEAR(leap({0.30f, 0.30f, 0.80f}, {0, 0, 1}), 0.10f, 1e-6f);
+    EXPECT_NEAR(leap({-0.70f, 2.30f, 0.80f}, {1, 0, 1}), std::sqrt(2.0f) * 0.10f, 1e-6f);
+    EXPECT_NEAR(leap({0.30f, 0.30f, 1.00f}, {0, 0, -1}), 0.125f, 1e-6f);
+    EXPECT_EQ(leap_length(leaps, {0.3f, 0.4f, 0.21f}, {0, 0, -1}), 0.0f);
+    EXPECT_EQ(leap_lengths(leaps, std::vector<glm::vec3>{{0.3f, 0.3f, 0.8f}}, std::vector<glm::vec3>{{7, 0, 0}})[0],
+              leap_length(leaps, {0.3f, 0.3f, 0.8f}, {1, 0, 0}));
+    const std::vector<glm::vec3> one(1, glm::vec3(0.5f));
+    expect_refusal<InvalidArgument>([&] { leap_lengths(leaps, one, {}); }, {"1 positions", "0 directions"});
+    expect_refusal<InvalidArgument>([&] { leap_lengths(leaps, one, std::vector<glm::vec3>(1)); }, {"ray 0"});
+}
+
 TEST(Leaps, ResolutionOutOfRange)
 {
     const Sample sample = slab(0.1f, 0.2f).sample(0.7f);

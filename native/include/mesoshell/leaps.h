@@ -43,12 +43,17 @@ Leaps bake_leaps(const Sample& sample, const LeapResolution& resolution, Job& jo
 // The bin of a direction of metric texture space (not zero): octahedral_bin of shaders/lib/octahedral.glsl.
 int octahedral_bin(const glm::vec3& dir_metric, int directions);
 
-// The bound, in tile widths, of a ray from a point of texture space along a direction of metric texture space (not zero), as
-// a traversal finds it: periodic along u and v, clamped along w.
+// The bound, in tile widths, of a ray from a point of texture space along a direction of metric texture space (not zero):
+// periodic along u and v, clamped along w.
 float lookup_leap(const Leaps& leaps, const glm::vec3& pos_texture, const glm::vec3& dir_metric);
 
-// The same of many rays. Throws InvalidArgument for spans of different lengths and what is not finite or zero.
-std::vector<float> lookup_leaps(const Leaps& leaps, std::span<const glm::vec3> pos_texture,
+// How far a ray may go, as a traversal finds it with shaders/lib/leap.glsl: where the bound is not zero, to the end of the
+// cell and as far as the bound from there. The direction has unit length.
+float leap_length(const Leaps& leaps, const glm::vec3& pos_texture, const glm::vec3& dir_metric);
+
+// The same of many rays whose directions may have any length. Throws InvalidArgument for spans of different lengths and what
+// is not finite or zero.
+std::vector<float> leap_lengths(const Leaps& leaps, std::span<const glm::vec3> pos_texture,
                                 std::span<const glm::vec3> dir_metric);
 
 }  // namespace mesoshell
