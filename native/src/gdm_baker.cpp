@@ -36,7 +36,7 @@ void check_resolution(const GdmResolution& r)
     if (std::int64_t(r.ntheta) * r.nodes.z > most_columns) {
         throw InvalidArgument("polar directions times nodes in height are " +
                               std::to_string(std::int64_t(r.ntheta) * r.nodes.z) + "; give at most " +
-                              std::to_string(most_columns) + ", or compression takes too long");
+                              std::to_string(most_columns) + ", or compression takes too much memory");
     }
 }
 

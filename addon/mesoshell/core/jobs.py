@@ -2,7 +2,7 @@
 
 The thread never touches Blender: what it needs is copied in before it starts. It is no daemon, because a daemon would be
 killed inside native code when Python ends; instead cancel_all() runs before that, and the native code answers within a
-twentieth of a second, but for the eigenproblem of a compression, which takes a second or two at the usual sizes.
+tenth of a second.
 """
 
 import threading

@@ -15,7 +15,7 @@ namespace mesoshell {
 // Rays that never leave the slab, or leave it far away, end here. Tile widths.
 constexpr float horizon_distance = 16.0f;
 
-// theta nodes times w nodes, at most: compression solves an eigenproblem of that size, in one step that cannot be cancelled.
+// theta nodes times w nodes, at most: compression holds several matrices with that many rows and columns.
 constexpr int most_columns = 4096;
 
 // How a GDM is baked. `embree` casts rays in packets. `slices` rasterizes the triangles onto the rays of a direction, which is
