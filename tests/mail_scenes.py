@@ -20,11 +20,12 @@ def chain_sample(native, detail=32):
 
 
 @cache
-def chain_map(native):
-    """A small Map of the chain-mail tile; 15 terms, so that the last group of four is not full."""
+def chain_map(native, layout="nodes", precision="byte"):
+    """A small Map of the chain-mail tile; a number of terms that leaves the last group of four not full."""
     sample = chain_sample(native)
     gdm = native.bake_gdm(sample, resolution=(32, 24, 16), directions=(10, 14))
-    return native.compress(gdm, sdf=native.bake_sdf(sample, resolution=(48, 40, 25)), terms=15)
+    return native.compress(gdm, sdf=native.bake_sdf(sample, resolution=(48, 40, 25)), layout=layout,
+                           precision=precision, terms=41 if layout == "nodes" else 15)
 
 
 def torus_mesh(columns=24, rows=12, tiles=(10, 5), major=1.0, minor=0.42):
@@ -129,9 +130,9 @@ def probe_source(shader_source):
     return "".join([*library, (Path(__file__).parent / "probe.glsl").read_text()])
 
 
-def check_probe(native, results, positions, directions):
+def check_probe(native, results, positions, directions, layout="nodes", precision="byte"):
     """Assert that `results` [n, 4] of probe.glsl are the lookups in C++ of chain_map."""
-    tile_map = chain_map(native)
+    tile_map = chain_map(native, layout, precision)
     gdm = tile_map.lookup(positions, directions)
     sdf = tile_map.sample_sdf(positions)
     assert gdm.max() > 0.3 and sdf.min() < 0.0, "the points see too little of the tile to tell"

@@ -26,6 +26,18 @@ def draw(gl, native, program, inputs, view, traversal, output):
     return gl.draw_shell(program, mail_scenes.torus_shell(native), inputs, block, clip_from_object, SIZE)
 
 
+def test_draw_of_the_papers_layout_matches_render(gl, native, program):
+    shell, tile_map = mail_scenes.torus_shell(native), mail_scenes.chain_map(native, "paper")
+    record = shader_source.shell_interface().defaults()
+    record["mode"][:2] = 0, 1
+    clip_from_object = mail_scenes.VIEWS["above"]
+    block = native.shell_params(record.tobytes(), tile_map, clip_from_object)
+    texels, depth = gl.draw_shell(program, shell, gl.Inputs(shell, tile_map), block, clip_from_object, SIZE)
+    picture = native.render(shell, tile_map, clip_from_object=clip_from_object, size=SIZE, traversal="gdm")
+    assert ((depth < 1.0) == (picture["hit"] == 1)).mean() >= 0.999
+    mail_scenes.check_depths(depth, texels[..., 3], picture, clip_from_object, "gdm")
+
+
 @pytest.mark.parametrize("traversal", ["gdm", "sdf"])
 @pytest.mark.parametrize("view", mail_scenes.VIEWS)
 def test_draw_matches_render(gl, native, program, inputs, view, traversal):

@@ -1,6 +1,7 @@
 """The shader text's lookups give on the GPU the numbers they give in C++."""
 
 import numpy
+import pytest
 import mail_scenes
 from core import shader_source
 from OpenGL import GL
@@ -16,8 +17,10 @@ void main()
 """
 
 
-def test_lookup_matches_cpp(gl, native):
-    tile_map = mail_scenes.chain_map(native)
+@pytest.mark.parametrize("layout, precision", [("paper", "half"), ("paper", "byte"), ("share", "byte"), ("nodes", "byte"),
+                                               ("nodes", "half")])
+def test_lookup_matches_cpp(gl, native, layout, precision):
+    tile_map = mail_scenes.chain_map(native, layout, precision)
     positions, directions = mail_scenes.probe_points(COUNT)
     table = shader_source.shell_interface()
     preamble = table.glsl_preamble("frag").replace("out vec4 frag_color;", "out vec4 probe_result;")
@@ -43,4 +46,4 @@ def test_lookup_matches_cpp(gl, native):
     pixels = numpy.frombuffer(GL.glReadPixels(0, 0, COUNT, 1, GL.GL_RGBA, GL.GL_FLOAT), numpy.float32).reshape(COUNT, 4)
     GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
 
-    mail_scenes.check_probe(native, pixels, positions, directions)
+    mail_scenes.check_probe(native, pixels, positions, directions, layout, precision)
