@@ -80,8 +80,6 @@ PyGetSetDef sample_attributes[] = {
     {"clipped_triangles", [](PyObject* self, void*) { return PyLong_FromSize_t(self_of(self).clipped_triangles()); }, nullptr,
      "triangles cut or dropped at w = 0 and w = 1", nullptr},
     {"notices", sample_notices, nullptr, "what was repaired, in sentences", nullptr},
-    {"integer_winding", [](PyObject* self, void*) { return PyBool_FromLong(self_of(self).integer_winding()); }, nullptr,
-     "whether the repaired mesh is closed", nullptr},
     {nullptr, nullptr, nullptr, nullptr, nullptr},
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "columns.h"
+#include "holes.h"
 #include "mesoshell/error.h"
 #include "periodic_mesh.h"
 #include "repair.h"
@@ -63,10 +64,6 @@ void Sample::check_values(const SampleOptions& options) const
         throw InvalidArgument("the sheets' thickness is " + std::to_string(options.thickness) +
                               "; give zero or more, in tile widths");
     }
-    if (options.cap_cells < 4 || options.cap_cells > 1024) {
-        throw InvalidArgument("the grid that closes holes has " + std::to_string(options.cap_cells) +
-                              " cells a tile width; give 4 to 1024");
-    }
     if (input_positions_.empty() || input_triangles_.empty()) {
         throw InvalidArgument("the tile is empty; give it a mesh with at least one triangle");
     }
@@ -87,7 +84,7 @@ void Sample::check_values(const SampleOptions& options) const
         if (std::max(t.x, std::max(t.y, t.z)) >= input_positions_.size()) {
             throw InvalidArgument("triangle " + std::to_string(i) + " of the tile uses vertex " +
                                   std::to_string(std::max(t.x, std::max(t.y, t.z))) + ", but there are only " +
-                                  std::to_string(input_positions_.size()) + " vertices");
+                                  std::to_string(input_positions_.size()) + " vertices; remove it or export the mesh again");
         }
     }
 }
@@ -119,11 +116,9 @@ void Sample::repair(const SampleOptions& options)
     if (turned > 0) {
         notices_.push_back(counted(turned, "face", "was", "were") + " turned over, so that the outside is out.");
     }
+    std::size_t left_out = 0;
     if (options.thickness == 0.0f) {
-        if (const std::size_t dropped = drop_two_sided_sheets(mesh, components, two_sided); dropped > 0) {
-            notices_.push_back(counted(dropped, "face", "encloses", "enclose") + " nothing and " +
-                               (dropped == 1 ? "was" : "were") + " left out; give a thickness to keep sheets.");
-        }
+        left_out = drop_two_sided_sheets(mesh, components, two_sided);
     } else {
         if (const std::size_t sheets = thicken(mesh, components, options.thickness); sheets > 0) {
             notices_.push_back(counted(sheets, "open part", "became a sheet", "became sheets") + " of the given thickness.");
@@ -131,13 +126,20 @@ void Sample::repair(const SampleOptions& options)
             drop_degenerate(mesh);
         }
     }
-    const std::size_t open = count_open_edges(mesh);
-    integer_winding_ = open == 0;
-    if (!integer_winding_) {
-        throw InvalidArgument("the tile's mesh is open at " + std::to_string(open) +
-                              " edges; close it, so that it has an inside, or give a thickness");
-    }
     Job job;
+    const HolesReport closed = close_holes(mesh, job);
+    if (const std::size_t open = count_open_edges(mesh); open > 0) {
+        throw InvalidArgument("the tile's mesh encloses nothing and is open at " + std::to_string(open) +
+                              " edges; give a thickness, or close it, so that it has an inside");
+    }
+    if (closed.holes > 0) {
+        notices_.push_back(counted(closed.holes, "hole", "was", "were") + " closed.");
+    }
+    left_out += closed.left_out;
+    if (left_out > 0) {
+        notices_.push_back(counted(left_out, "face", "encloses", "enclose") + " nothing and " +
+                           (left_out == 1 ? "was" : "were") + " left out; give a thickness to keep sheets.");
+    }
     winding_range_ = winding_range(mesh, job);
     positions_ = mesh.positions;
     triangles_ = mesh.triangles;

@@ -1,0 +1,166 @@
+#include "holes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <tuple>
+#include <vector>
+
+#include "boundary.h"
+#include "cap_surface.h"
+#include "loop_triangulation.h"
+#include "repair.h"
+
+namespace mesoshell {
+namespace {
+
+// Open parts whose closed volume is below this share of their area to the power 1.5 are sheets: they enclose nothing.
+constexpr double least_volume = 0.002;
+
+class Groups {
+public:
+    explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t(0)); }
+    std::size_t find(std::size_t i)
+    {
+        while (parent_[i] != i) {
+            i = parent_[i] = parent_[parent_[i]];
+        }
+        return i;
+    }
+    void join(std::size_t a, std::size_t b) { parent_[find(a)] = find(b); }
+
+private:
+    std::vector<std::size_t> parent_;
+};
+
+// Adds a flat cap for every loop; returns the number of loops.
+std::size_t span_loops(PeriodicMesh& mesh, std::vector<std::uint32_t>& cap_of)
+{
+    std::vector<Loop> loops = boundary_loops(mesh);
+    join_periodic_loops(mesh, loops);
+    std::map<std::tuple<std::uint32_t, int, int>, std::uint32_t> vertices;
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+        vertices.try_emplace({mesh.place[v], mesh.shift[v].x, mesh.shift[v].y}, v);
+    }
+    cap_of.assign(mesh.triangles.size(), no_cap);
+    for (std::uint32_t cap = 0; cap < loops.size(); ++cap) {
+        std::vector<std::uint32_t> corners;
+        std::vector<glm::dvec3> places;
+        for (const LoopCorner& c : loops[cap].corners) {
+            const auto [found, added] =
+                vertices.try_emplace({c.place, c.shift.x, c.shift.y}, static_cast<std::uint32_t>(mesh.positions.size()));
+            if (added) {
+                mesh.positions.push_back(mesh.positions[c.place] + mesh.period(c.shift));
+                mesh.place.push_back(c.place);
+                mesh.shift.push_back(c.shift);
+            }
+            corners.push_back(found->second);
+            places.emplace_back(mesh.positions[found->second]);
+        }
+        for (const auto& t : triangulate_loop(places)) {
+            const glm::uvec3 triangle(corners[t[0]], corners[t[1]], corners[t[2]]);
+            if (triangle.x != triangle.y && triangle.y != triangle.z && triangle.z != triangle.x) {
+                mesh.triangles.push_back(triangle);
+                cap_of.push_back(cap);
+            }
+        }
+    }
+    return loops.size();
+}
+
+// Marks the triangles of open parts that, together with their caps, enclose nothing.
+std::vector<bool> mark_sheets(const PeriodicMesh& mesh, const std::vector<std::uint32_t>& cap_of, std::size_t caps)
+{
+    PeriodicMesh faces = mesh;
+    faces.triangles.resize(static_cast<std::size_t>(std::count(cap_of.begin(), cap_of.end(), no_cap)));
+    const Components components = make_coherent(faces);
+    const auto group_of = [&](std::uint32_t t) {
+        return cap_of[t] == no_cap ? caps + components.of_triangle[t] : std::size_t(cap_of[t]);
+    };
+    // Caps hang together with what is open where they begin.
+    Groups groups(caps + components.triangles.size());
+    for_each_edge(sorted_sides(mesh), [&](std::span<const Side> edge) {
+        std::map<std::size_t, int> sums;
+        for (const Side& s : edge) {
+            sums[group_of(s.triangle)] += s.forward ? 1 : -1;
+        }
+        std::size_t first = ~std::size_t(0);
+        const bool at_cap = sums.begin()->first < caps;
+        for (const auto& [group, sum] : sums) {
+            if (sum != 0 && at_cap) {
+                first = first == ~std::size_t(0) ? group : first;
+                groups.join(first, group);
+            }
+        }
+    });
+    struct Body {
+        double area = 0.0, volume = 0.0, covered = 0.0, low = 1e30;
+        bool open = false;
+    };
+    std::vector<Body> bodies(caps + components.triangles.size());
+    for (std::uint32_t t = 0; t < cap_of.size(); ++t) {
+        Body& body = bodies[groups.find(group_of(t))];
+        body.low = std::min(body.low, static_cast<double>(mesh.positions[mesh.triangles[t].x].z));
+    }
+    for (std::uint32_t t = 0; t < cap_of.size(); ++t) {
+        Body& body = bodies[groups.find(group_of(t))];
+        const glm::uvec3& v = mesh.triangles[t];
+        const glm::dvec3 area = 0.5 * area_vector(mesh, v);
+        const double z = (double(mesh.positions[v.x].z) + mesh.positions[v.y].z + mesh.positions[v.z].z) / 3.0 - body.low;
+        // Gauss: the integral of z n_z, which does not mind periods.
+        body.volume += z * area.z;
+        body.covered += area.z / mesh.aspect;
+        body.area += cap_of[t] == no_cap ? glm::length(area) : 0.0;
+        body.open = body.open || cap_of[t] != no_cap;
+    }
+    std::vector<bool> sheet(cap_of.size());
+    for (std::uint32_t t = 0; t < cap_of.size(); ++t) {
+        const Body& body = bodies[groups.find(group_of(t))];
+        sheet[t] = body.open && std::abs(body.covered) < 0.5 && std::abs(body.volume) <= least_volume * std::pow(body.area, 1.5);
+    }
+    return sheet;
+}
+
+}  // namespace
+
+HolesReport close_holes(PeriodicMesh& mesh, Job& job)
+{
+    HolesReport report;
+    PeriodicMesh closed = mesh;
+    std::vector<std::uint32_t> cap_of;
+    const std::size_t caps = span_loops(closed, cap_of);
+    if (caps == 0) {
+        return report;
+    }
+    const std::vector<bool> sheet = mark_sheets(closed, cap_of, caps);
+    std::vector<bool> kept(caps, false);
+    std::size_t count = 0;
+    for (std::size_t t = 0; t < cap_of.size(); ++t) {
+        if (sheet[t]) {
+            report.left_out += cap_of[t] == no_cap ? 1 : 0;
+            continue;
+        }
+        if (cap_of[t] != no_cap) {
+            kept[cap_of[t]] = true;
+        }
+        closed.triangles[count] = closed.triangles[t];
+        cap_of[count++] = cap_of[t];
+    }
+    if (count == 0) {
+        return report;
+    }
+    closed.triangles.resize(count);
+    cap_of.resize(count);
+    report.holes = static_cast<std::size_t>(std::count(kept.begin(), kept.end(), true));
+    if (report.holes > 0) {
+        // What was open has its volume only now.
+        const Components components = make_coherent(closed);
+        turn_outward(closed, components);
+        shape_caps(closed, cap_of, job);
+    }
+    mesh = std::move(closed);
+    return report;
+}
+
+}  // namespace mesoshell
