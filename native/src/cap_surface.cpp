@@ -359,8 +359,9 @@ private:
 
 }  // namespace
 
-void shape_caps(PeriodicMesh& mesh, std::vector<std::uint32_t>& cap_of, Job& job)
+void shape_caps(PeriodicMesh& mesh, Caps& caps, Job& job)
 {
+    std::vector<std::uint32_t>& cap_of = caps.of_triangle;
     std::vector<glm::uvec3> faces;
     double covered = 0.0;
     for (std::size_t t = 0; t < cap_of.size(); ++t) {

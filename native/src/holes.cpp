@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "boundary.h"
-#include "cap_surface.h"
 #include "loop_triangulation.h"
 #include "repair.h"
 
@@ -33,41 +32,6 @@ public:
 private:
     std::vector<std::size_t> parent_;
 };
-
-// Adds a flat cap for every loop; returns the number of loops.
-std::size_t span_loops(PeriodicMesh& mesh, std::vector<std::uint32_t>& cap_of)
-{
-    std::vector<Loop> loops = boundary_loops(mesh);
-    join_periodic_loops(mesh, loops);
-    std::map<std::tuple<std::uint32_t, int, int>, std::uint32_t> vertices;
-    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
-        vertices.try_emplace({mesh.place[v], mesh.shift[v].x, mesh.shift[v].y}, v);
-    }
-    cap_of.assign(mesh.triangles.size(), no_cap);
-    for (std::uint32_t cap = 0; cap < loops.size(); ++cap) {
-        std::vector<std::uint32_t> corners;
-        std::vector<glm::dvec3> places;
-        for (const LoopCorner& c : loops[cap].corners) {
-            const auto [found, added] =
-                vertices.try_emplace({c.place, c.shift.x, c.shift.y}, static_cast<std::uint32_t>(mesh.positions.size()));
-            if (added) {
-                mesh.positions.push_back(mesh.positions[c.place] + mesh.period(c.shift));
-                mesh.place.push_back(c.place);
-                mesh.shift.push_back(c.shift);
-            }
-            corners.push_back(found->second);
-            places.emplace_back(mesh.positions[found->second]);
-        }
-        for (const auto& t : triangulate_loop(places)) {
-            const glm::uvec3 triangle(corners[t[0]], corners[t[1]], corners[t[2]]);
-            if (triangle.x != triangle.y && triangle.y != triangle.z && triangle.z != triangle.x) {
-                mesh.triangles.push_back(triangle);
-                cap_of.push_back(cap);
-            }
-        }
-    }
-    return loops.size();
-}
 
 // Marks the triangles of open parts that, together with their caps, enclose nothing.
 std::vector<bool> mark_sheets(const PeriodicMesh& mesh, const std::vector<std::uint32_t>& cap_of, std::size_t caps)
@@ -124,43 +88,65 @@ std::vector<bool> mark_sheets(const PeriodicMesh& mesh, const std::vector<std::u
 
 }  // namespace
 
-HolesReport close_holes(PeriodicMesh& mesh, Job& job)
+Caps span_holes(PeriodicMesh& mesh)
 {
-    HolesReport report;
-    PeriodicMesh closed = mesh;
-    std::vector<std::uint32_t> cap_of;
-    const std::size_t caps = span_loops(closed, cap_of);
-    if (caps == 0) {
-        return report;
+    std::vector<Loop> loops = boundary_loops(mesh);
+    join_periodic_loops(mesh, loops);
+    std::map<std::tuple<std::uint32_t, int, int>, std::uint32_t> vertices;
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+        vertices.try_emplace({mesh.place[v], mesh.shift[v].x, mesh.shift[v].y}, v);
     }
-    const std::vector<bool> sheet = mark_sheets(closed, cap_of, caps);
-    std::vector<bool> kept(caps, false);
-    std::size_t count = 0;
-    for (std::size_t t = 0; t < cap_of.size(); ++t) {
+    Caps caps;
+    caps.count = loops.size();
+    caps.of_triangle.assign(mesh.triangles.size(), no_cap);
+    for (std::uint32_t cap = 0; cap < loops.size(); ++cap) {
+        std::vector<std::uint32_t> corners;
+        std::vector<glm::dvec3> places;
+        for (const LoopCorner& c : loops[cap].corners) {
+            const auto [found, added] =
+                vertices.try_emplace({c.place, c.shift.x, c.shift.y}, static_cast<std::uint32_t>(mesh.positions.size()));
+            if (added) {
+                mesh.positions.push_back(mesh.positions[c.place] + mesh.period(c.shift));
+                mesh.place.push_back(c.place);
+                mesh.shift.push_back(c.shift);
+            }
+            corners.push_back(found->second);
+            places.emplace_back(mesh.positions[found->second]);
+        }
+        for (const auto& t : triangulate_loop(places)) {
+            const glm::uvec3 triangle(corners[t[0]], corners[t[1]], corners[t[2]]);
+            if (triangle.x != triangle.y && triangle.y != triangle.z && triangle.z != triangle.x) {
+                mesh.triangles.push_back(triangle);
+                caps.of_triangle.push_back(cap);
+            }
+        }
+    }
+    return caps;
+}
+
+std::size_t leave_out_sheets(PeriodicMesh& mesh, Caps& caps)
+{
+    const std::vector<bool> sheet = mark_sheets(mesh, caps.of_triangle, caps.count);
+    std::vector<std::uint32_t> number(caps.count, no_cap);
+    std::vector<std::uint32_t> of_triangle;
+    std::vector<glm::uvec3> triangles;
+    std::size_t left_out = 0;
+    std::uint32_t kept = 0;
+    for (std::size_t t = 0; t < sheet.size(); ++t) {
+        const std::uint32_t cap = caps.of_triangle[t];
         if (sheet[t]) {
-            report.left_out += cap_of[t] == no_cap ? 1 : 0;
+            left_out += cap == no_cap ? 1 : 0;
             continue;
         }
-        if (cap_of[t] != no_cap) {
-            kept[cap_of[t]] = true;
+        if (cap != no_cap && number[cap] == no_cap) {
+            number[cap] = kept++;
         }
-        closed.triangles[count] = closed.triangles[t];
-        cap_of[count++] = cap_of[t];
+        triangles.push_back(mesh.triangles[t]);
+        of_triangle.push_back(cap == no_cap ? no_cap : number[cap]);
     }
-    if (count == 0) {
-        return report;
-    }
-    closed.triangles.resize(count);
-    cap_of.resize(count);
-    report.holes = static_cast<std::size_t>(std::count(kept.begin(), kept.end(), true));
-    if (report.holes > 0) {
-        // What was open has its volume only now.
-        const Components components = make_coherent(closed);
-        turn_outward(closed, components);
-        shape_caps(closed, cap_of, job);
-    }
-    mesh = std::move(closed);
-    return report;
+    mesh.triangles = std::move(triangles);
+    caps = {kept, std::move(of_triangle)};
+    return left_out;
 }
 
 }  // namespace mesoshell

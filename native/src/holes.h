@@ -2,21 +2,26 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
-#include "mesoshell/job.h"
 #include "periodic_mesh.h"
 
 namespace mesoshell {
 
-struct HolesReport {
-    std::size_t holes = 0;     // closed
-    std::size_t left_out = 0;  // faces of open parts that enclose nothing
+constexpr std::uint32_t no_cap = ~0u;
+
+struct Caps {
+    std::size_t count = 0;
+    std::vector<std::uint32_t> of_triangle;  // the cap that each triangle belongs to, or no_cap
 };
 
-// Adds caps to a coherent mesh that faces outward until no edge is open. A cap spans a hole by the least area; where the hole is
-// not in a plane it then follows the surface on which the generalized winding number of the open mesh is one half
-// (cap_surface.h). Rims that go on through all copies of the tile are joined into one hole: a gutter gets a lid. Open parts that
-// enclose no volume with their caps are left out, unless nothing else is left: then all is as it was, and holes is zero.
-HolesReport close_holes(PeriodicMesh& mesh, Job& job);
+// Adds caps to a coherent mesh, behind its triangles, until no edge is open: surfaces of least area over its holes. Rims that go
+// on through all copies of the tile are joined into one hole: a gutter gets a lid.
+Caps span_holes(PeriodicMesh& mesh);
+
+// Drops open parts that enclose no volume together with their caps, and those caps. Returns the number of triangles dropped,
+// caps not counted.
+std::size_t leave_out_sheets(PeriodicMesh& mesh, Caps& caps);
 
 }  // namespace mesoshell

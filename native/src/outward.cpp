@@ -297,37 +297,4 @@ void turn_outward(PeriodicMesh& mesh, const Components& components)
     Turner(mesh, bodies_of(mesh, components)).run();
 }
 
-std::size_t drop_two_sided_sheets(PeriodicMesh& mesh, Components& components, const std::vector<bool>& two_sided)
-{
-    if (std::find(two_sided.begin(), two_sided.end(), true) == two_sided.end()) {
-        return 0;
-    }
-    const auto open_sides = open_sides_of(mesh, components);
-    std::vector<bool> dropped(mesh.triangles.size(), false);
-    for (std::size_t i = 0; i < components.triangles.size(); ++i) {
-        const std::vector<std::uint32_t>& triangles = components.triangles[i];
-        if (std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) { return two_sided[t]; })) {
-            const Shape shape = measure(mesh, triangles, components, components.wraps[i], open_sides);
-            if (!shape.closed && !shape.has_volume()) {
-                for (const std::uint32_t t : triangles) {
-                    dropped[t] = true;
-                }
-            }
-        }
-    }
-    std::vector<glm::uvec3> kept;
-    for (std::size_t t = 0; t < dropped.size(); ++t) {
-        if (!dropped[t]) {
-            kept.push_back(mesh.triangles[t]);
-        }
-    }
-    const std::size_t count = mesh.triangles.size() - kept.size();
-    if (count == 0 || kept.empty()) {
-        return 0;
-    }
-    mesh.triangles = std::move(kept);
-    components = make_coherent(mesh);
-    return count;
-}
-
 }  // namespace mesoshell

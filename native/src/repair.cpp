@@ -85,9 +85,8 @@ std::size_t drop_degenerate(PeriodicMesh& mesh)
     return erase_marked(mesh.triangles, degenerate);
 }
 
-std::size_t drop_duplicates(PeriodicMesh& mesh, std::vector<bool>& two_sided)
+std::size_t drop_duplicates(PeriodicMesh& mesh)
 {
-    two_sided.assign(mesh.triangles.size(), false);
     std::vector<std::pair<Key, std::uint32_t>> keys;
     keys.reserve(mesh.triangles.size());
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -96,7 +95,6 @@ std::size_t drop_duplicates(PeriodicMesh& mesh, std::vector<bool>& two_sided)
     std::sort(keys.begin(), keys.end());
     std::vector<bool> dropped(mesh.triangles.size());
     std::vector<std::uint32_t> copies(mesh.triangles.size(), 1);
-    std::vector<int> sides_seen(mesh.triangles.size(), 1);  // those with the side of the first, less the others
     bool any = false;
     for (std::size_t i = 1, kept = 0; i < keys.size(); ++i) {
         if (keys[i].first != keys[kept].first) {
@@ -105,10 +103,6 @@ std::size_t drop_duplicates(PeriodicMesh& mesh, std::vector<bool>& two_sided)
         }
         dropped[keys[i].second] = true;
         copies[keys[kept].second] += 1;
-        sides_seen[keys[kept].second] +=
-            glm::dot(area_vector(mesh, mesh.triangles[keys[i].second]), area_vector(mesh, mesh.triangles[keys[kept].second])) < 0.0
-                ? -1
-                : 1;
         any = true;
     }
     if (!any) {
@@ -147,13 +141,6 @@ std::size_t drop_duplicates(PeriodicMesh& mesh, std::vector<bool>& two_sided)
             dropped[i] = true;
         }
     }
-    std::size_t left = 0;
-    for (std::size_t i = 0; i < dropped.size(); ++i) {
-        if (!dropped[i]) {
-            two_sided[left++] = sides_seen[i] == 0;
-        }
-    }
-    two_sided.resize(left);
     return erase_marked(mesh.triangles, dropped);
 }
 

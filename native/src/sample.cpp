@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "cap_surface.h"
 #include "columns.h"
 #include "holes.h"
 #include "mesoshell/error.h"
@@ -39,6 +40,16 @@ std::vector<glm::vec3> clip_polygon(const std::vector<glm::vec3>& polygon, float
         }
     }
     return kept;
+}
+
+// Of the faces before, which come first in what they became.
+std::size_t count_differing(const std::vector<glm::uvec3>& before, const std::vector<glm::uvec3>& after)
+{
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        count += before[i] != after[i] ? 1 : 0;
+    }
+    return count;
 }
 
 }  // namespace
@@ -95,8 +106,7 @@ void Sample::repair(const SampleOptions& options)
     if (const std::size_t dropped = drop_degenerate(mesh); dropped > 0) {
         notices_.push_back(counted(dropped, "face", "has", "have") + " no area and " + (dropped == 1 ? "was" : "were") + " left out.");
     }
-    std::vector<bool> two_sided;
-    if (const std::size_t dropped = drop_duplicates(mesh, two_sided); dropped > 0) {
+    if (const std::size_t dropped = drop_duplicates(mesh); dropped > 0) {
         notices_.push_back(counted(dropped, "duplicate face", "was", "were") + " dropped.");
     }
     double area = 0.0;
@@ -108,37 +118,41 @@ void Sample::repair(const SampleOptions& options)
     }
     const std::vector<glm::uvec3> before = mesh.triangles;
     Components components = make_coherent(mesh);
+    std::size_t turned = count_differing(before, mesh.triangles);
+    std::size_t sheets = 0;
+    if (options.thickness > 0.0f) {
+        sheets = thicken(mesh, components, options.thickness);
+    }
+    if (sheets > 0) {
+        mesh = weld(std::move(mesh.positions), std::move(mesh.triangles), aspect_);
+        drop_degenerate(mesh);
+    }
+    // What is open has a volume, and with it an outside, only when it is closed.
+    Caps caps = span_holes(mesh);
+    if (sheets > 0 || caps.count > 0) {
+        components = make_coherent(mesh);
+    }
     turn_outward(mesh, components);
-    std::size_t turned = 0;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-        turned += before[i] != mesh.triangles[i] ? 1 : 0;
+    if (sheets == 0) {
+        turned = count_differing(before, mesh.triangles);
     }
     if (turned > 0) {
         notices_.push_back(counted(turned, "face", "was", "were") + " turned over, so that the outside is out.");
     }
-    std::size_t left_out = 0;
-    if (options.thickness == 0.0f) {
-        left_out = drop_two_sided_sheets(mesh, components, two_sided);
-    } else {
-        if (const std::size_t sheets = thicken(mesh, components, options.thickness); sheets > 0) {
-            notices_.push_back(counted(sheets, "open part", "became a sheet", "became sheets") + " of the given thickness.");
-            mesh = weld(std::move(mesh.positions), std::move(mesh.triangles), aspect_);
-            drop_degenerate(mesh);
-        }
+    if (sheets > 0) {
+        notices_.push_back(counted(sheets, "open part", "became a sheet", "became sheets") + " of the given thickness.");
+    }
+    if (const std::size_t dropped = leave_out_sheets(mesh, caps); dropped > 0) {
+        notices_.push_back(counted(dropped, "face", "encloses", "enclose") + " nothing and " + (dropped == 1 ? "was" : "were") +
+                           " left out; give a thickness to keep sheets.");
+    }
+    if (mesh.triangles.empty()) {
+        throw InvalidArgument("the tile's mesh is open and encloses nothing; give a thickness, or close it, so that it has an inside");
     }
     Job job;
-    const HolesReport closed = close_holes(mesh, job);
-    if (const std::size_t open = count_open_edges(mesh); open > 0) {
-        throw InvalidArgument("the tile's mesh encloses nothing and is open at " + std::to_string(open) +
-                              " edges; give a thickness, or close it, so that it has an inside");
-    }
-    if (closed.holes > 0) {
-        notices_.push_back(counted(closed.holes, "hole", "was", "were") + " closed.");
-    }
-    left_out += closed.left_out;
-    if (left_out > 0) {
-        notices_.push_back(counted(left_out, "face", "encloses", "enclose") + " nothing and " +
-                           (left_out == 1 ? "was" : "were") + " left out; give a thickness to keep sheets.");
+    if (caps.count > 0) {
+        shape_caps(mesh, caps, job);
+        notices_.push_back(counted(caps.count, "hole", "was", "were") + " closed.");
     }
     winding_range_ = winding_range(mesh, job);
     positions_ = mesh.positions;

@@ -18,7 +18,7 @@ constexpr int of_each_kind = 10;  // 8 solids x 11 damages x 10, 60 soups and 60
 constexpr int soups = 60;
 // Whole nodes are clear whose winding number is farther than this from one half.
 constexpr double unclear = 0.1;
-constexpr int nodes_asked = 100;
+constexpr int nodes_asked = 80;
 constexpr double least_share = 0.95;
 
 enum class Outcome { matched, mismatched, refused };

@@ -249,7 +249,7 @@ TEST(Holes, SheetBesideASolidIsLeftOut)
     EXPECT_TRUE(has_notice(sample, "2 faces enclose nothing and were left out; give a thickness"));
     EXPECT_FALSE(has_notice(sample, "closed"));
     EXPECT_EQ(sample.triangles(), ball.triangles);
-    expect_refusal<InvalidArgument>([&] { sheet.sample(0.6f); }, {"encloses nothing", "open at 4 edges", "thickness"});
+    expect_refusal<InvalidArgument>([&] { sheet.sample(0.6f); }, {"open and encloses nothing", "thickness"});
 }
 
 TEST(Holes, FinOnASolidIsLeftOut)
