@@ -72,7 +72,7 @@ Mesh tube(const glm::vec3& center, float radius, float length, int axis, double 
 void expect_oracle(const Sample& sample, const Mesh& truth, int covering = 0, double unclear = 0.03)
 {
     Job job;
-    const glm::ivec3 nodes(17, 15, 13);
+    const glm::ivec3 nodes(13, 11, 9);
     const std::vector<std::uint8_t> inside = classify_inside(sample, nodes, job);
     int in = 0;
     int out = 0;
@@ -81,7 +81,7 @@ void expect_oracle(const Sample& sample, const Mesh& truth, int covering = 0, do
         const std::size_t y = i / nodes.x % nodes.y;
         const std::size_t z = i / nodes.x / nodes.y;
         const glm::dvec3 p(double(x) / nodes.x, sample.aspect() * double(y) / nodes.y, sample.height() * double(z) / (nodes.z - 1));
-        const double winding = std::abs(balanced_winding(truth.positions, truth.triangles, sample.aspect(), p, 3) + 0.5 * covering);
+        const double winding = std::abs(balanced_winding(truth.positions, truth.triangles, sample.aspect(), p, 2) + 0.5 * covering);
         if (std::abs(winding - 0.5) > unclear) {
             EXPECT_EQ(inside[i] != 0, winding > 0.5) << p.x << " " << p.y << " " << p.z << " winding " << winding;
             (winding > 0.5 ? in : out) += 1;
