@@ -214,7 +214,7 @@ TEST(StoreDamage, ForeignPicture)
 
 // Parts with a map's names and attributes, each as `change` leaves it; without pixels unless `pixels`.
 void write_parts(const std::string& path, int width, int height, bool pixels,
-                 const std::function<void(Imf::Header&, int part)>& change)
+                 const std::function<void(Imf::Header&, int part)>& change, const std::string& without = "")
 {
     std::vector<Imf::Header> headers;
     for (int part = 0; part < 2; ++part) {
@@ -223,13 +223,18 @@ void write_parts(const std::string& path, int width, int height, bool pixels,
         header.setType(Imf::SCANLINEIMAGE);
         header.compression() = Imf::ZIP_COMPRESSION;
         header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
-        header.insert("mesoshell:version", Imf::IntAttribute(1));
-        header.insert("mesoshell:shape",
-                      Imf::StringAttribute("1 1 " + std::to_string(height) + " " + std::to_string(width)));
-        header.insert("mesoshell:checksum", Imf::StringAttribute("0123456789abcdef"));
-        header.insert("mesoshell:units", Imf::StringAttribute("tile widths"));
+        // Left out from the start: what Header::erase takes out is never freed.
+        const auto insert = [&](const char* name, const Imf::Attribute& attribute) {
+            if (name != without) {
+                header.insert(name, attribute);
+            }
+        };
+        insert("mesoshell:version", Imf::IntAttribute(1));
+        insert("mesoshell:shape", Imf::StringAttribute("1 1 " + std::to_string(height) + " " + std::to_string(width)));
+        insert("mesoshell:checksum", Imf::StringAttribute("0123456789abcdef"));
+        insert("mesoshell:units", Imf::StringAttribute("tile widths"));
         for (const char* name : {"mesoshell:height", "mesoshell:aspect", "mesoshell:rmse", "mesoshell:maxError"}) {
-            header.insert(name, Imf::FloatAttribute(0.5f));
+            insert(name, Imf::FloatAttribute(0.5f));
         }
         change(header, part);
         headers.push_back(header);
@@ -303,16 +308,15 @@ TEST(StoreDamage, AttributesThatAreMissingOrOfAnotherType)
     const std::string path = folder.file("tile.exr");
     for (const char* name : {"mesoshell:version", "mesoshell:shape", "mesoshell:checksum", "mesoshell:height",
                              "mesoshell:aspect", "mesoshell:rmse", "mesoshell:maxError"}) {
-        write_parts(path, 4, 4, true, [&](Imf::Header& header, int) { header.erase(name); });
+        write_parts(path, 4, 4, true, [](Imf::Header&, int) {}, name);
         expect_refusal<Error>([&] { load_map(path); }, {"not a usable map", name});
         write_parts(path, 4, 4, true, [&](Imf::Header& header, int) {
-            header.erase(name);
             if (std::strcmp(name, "mesoshell:version") == 0) {
                 header.insert(name, Imf::FloatAttribute(1.0f));
             } else {
                 header.insert(name, Imf::IntAttribute(1));
             }
-        });
+        }, name);
         expect_refusal<Error>([&] { load_map(path); }, {"not a usable map", name});
     }
 }
