@@ -58,10 +58,10 @@ def fuzz() -> Layer:
 def _fuzz(layer: Layer, program: Path, corpus: Path, log: Path) -> None:
     limits = [f"-max_total_time={FUZZ_SECONDS}", f"-timeout={INPUT_SECONDS}", f"-rss_limit_mb={INPUT_MEGABYTES}",
               f"-malloc_limit_mb={ALLOCATION_MEGABYTES}"]
+    argv = [program, "-seed=1", "-max_len=16384", *limits, f"-artifact_prefix={corpus}/finding-", corpus]
     with log.open("wb") as stream:
         try:
-            status = subprocess.run([program, "-seed=1", "-max_len=16384", *limits, f"-artifact_prefix={corpus}/finding-", corpus],
-                                    stdin=subprocess.DEVNULL, stdout=stream, stderr=subprocess.STDOUT,
+            status = subprocess.run(argv, stdin=subprocess.DEVNULL, stdout=stream, stderr=subprocess.STDOUT,
                                     timeout=5 * FUZZ_SECONDS).returncode
         except subprocess.TimeoutExpired:
             status = "none, it hung"

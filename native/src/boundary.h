@@ -27,8 +27,8 @@ struct Loop {
 // its own hole, by the angles about the vertex.
 std::vector<Loop> boundary_loops(const PeriodicMesh& mesh);
 
-// Loops that go on through all copies are joined by an edge there and back to the nearest of those that, all together, cancel
-// their periods: the two rims of a gutter become one loop around its lid. What is left has period zero.
+// Loops that go on through all copies are joined by an edge there and back to the nearest of those that, all together,
+// cancel their periods: the two rims of a gutter become one loop around its lid. What is left has period zero.
 void join_periodic_loops(const PeriodicMesh& mesh, std::vector<Loop>& loops);
 
 // One loop of two, joined by an edge there and back between their nearest corners.

@@ -52,8 +52,8 @@ std::vector<double> wanted_lengths(const PeriodicMesh& mesh, const std::vector<s
     std::vector<double> wanted(caps);
     for (std::uint32_t i = 0; i < caps; ++i) {
         const double across = std::sqrt(area[i]);
-        wanted[i] = std::max({std::min(edges_of_rim * rim[i] / std::max(rim_edges[i], 1.0), across / edges_across), finest_edge,
-                              across / std::sqrt(largest_count)});
+        const double like_rim = edges_of_rim * rim[i] / std::max(rim_edges[i], 1.0);
+        wanted[i] = std::max({std::min(like_rim, across / edges_across), finest_edge, across / std::sqrt(largest_count)});
     }
     return wanted;
 }
@@ -167,7 +167,10 @@ private:
                 continue;
             }
             emit(a, corner(1), b);
-            if (glm::distance(mesh_.positions[corner(0)], mesh_.positions[b]) < glm::distance(mesh_.positions[a], mesh_.positions[corner(2)])) {
+            const auto distance = [&](std::uint32_t v, std::uint32_t w) {
+                return glm::distance(mesh_.positions[v], mesh_.positions[w]);
+            };
+            if (distance(corner(0), b) < distance(a, corner(2))) {
                 emit(corner(0), a, b);
                 emit(corner(0), b, corner(2));
             } else {
@@ -192,7 +195,8 @@ private:
                 glm::length(area_vector(mesh_, t)) < finest_edge * finest_edge) {
                 continue;
             }
-            const std::uint32_t middle = add((mesh_.positions[t.x] + mesh_.positions[t.y] + mesh_.positions[t.z]) / 3.0f, true);
+            const glm::vec3 sum = mesh_.positions[t.x] + mesh_.positions[t.y] + mesh_.positions[t.z];
+            const std::uint32_t middle = add(sum / 3.0f, true);
             mesh_.triangles[i] = {t.x, t.y, middle};
             mesh_.triangles.emplace_back(t.y, t.z, middle);
             mesh_.triangles.emplace_back(t.z, t.x, middle);
@@ -253,6 +257,8 @@ public:
     std::size_t size() const { return vertices_.size(); }
     glm::dvec3 position(std::size_t i) const { return glm::dvec3(mesh_.positions[vertices_[i]]); }
     double reach(std::size_t i) const { return reach_[i]; }  // the size of its cap
+    bool has(std::uint32_t vertex) const { return index_[mesh_.place[vertex]] != none; }
+    std::size_t of(std::uint32_t vertex) const { return index_[mesh_.place[vertex]]; }
 
     glm::dvec3 normal(std::size_t i) const
     {
@@ -296,20 +302,26 @@ private:
     std::vector<double> reach_;
 };
 
+struct Found {
+    glm::dvec3 place;
+    bool below = false;  // the number stayed below one half
+};
+
 // The place along a line where a winding number is one half, of either sign, or comes closest to it.
 class LevelSearch {
 public:
     LevelSearch(const WindingNumber& winding, double constant) : winding_(winding), constant_(constant) {}
 
-    glm::dvec3 from(const glm::dvec3& start, const glm::dvec3& normal, double reach) const
+    Found from(const glm::dvec3& start, const glm::dvec3& normal, double reach) const
     {
         const double here = winding_.at(start) + constant_;
         const double level = here < 0.0 ? -0.5 : 0.5;
+        const double sign = here < 0.0 ? -1.0 : 1.0;
         const auto above = [&](double t) { return winding_.at(start + normal * t) + constant_ - level; };
         double last = here - level;
         // A wall between two solids stays where it is.
         if (std::abs(last) < level_tolerance || std::abs(last) > 0.75) {
-            return start;
+            return {start};
         }
         const double side = last > 0.0 ? 1.0 : -1.0;
         double from = 0.0;
@@ -317,7 +329,7 @@ public:
             const double to = side * step * reach;
             const double next = above(to);
             if ((next > 0.0) != (last > 0.0)) {
-                return start + normal * root(above, from, last, to, next);
+                return {start + normal * root(above, from, last, to, next)};
             }
             if (std::abs(next) > std::abs(last)) {
                 break;
@@ -325,12 +337,12 @@ public:
             from = to;
             last = next;
         }
-        return start + normal * from;
+        return {start + normal * from, last * sign < 0.0};
     }
 
 private:
-    // Regula falsi that halves the weight of an end that stays (Dowell and Jarratt 1971, "Illinois"), and bisection every third
-    // time: at the mesh itself the number jumps.
+    // Regula falsi that halves the weight of an end that stays (Dowell and Jarratt 1971, "Illinois"), and bisection every
+    // third time: at the mesh itself the number jumps.
     template <typename Above>
     static double root(const Above& above, double a, double at_a, double b, double at_b)
     {
@@ -359,7 +371,7 @@ private:
 
 }  // namespace
 
-void shape_caps(PeriodicMesh& mesh, Caps& caps, Job& job)
+std::vector<bool> shape_caps(PeriodicMesh& mesh, Caps& caps, Job& job)
 {
     std::vector<std::uint32_t>& cap_of = caps.of_triangle;
     std::vector<glm::uvec3> faces;
@@ -398,6 +410,7 @@ void shape_caps(PeriodicMesh& mesh, Caps& caps, Job& job)
 
     Movers movers(mesh, their_cap, refinement);
     std::vector<glm::dvec3> positions(movers.size());
+    std::vector<std::uint8_t> below(movers.size(), 0);
     const auto smooth = [&](int rounds) {
         for (int round = 0; round < rounds; ++round) {
             for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -410,7 +423,9 @@ void shape_caps(PeriodicMesh& mesh, Caps& caps, Job& job)
     for (int round = 0; round < 3; ++round) {
         parallel_for(job, static_cast<int>(positions.size()), [&](int i) {
             const auto k = static_cast<std::size_t>(i);
-            positions[k] = search.from(movers.position(k), movers.normal(k), movers.reach(k));
+            const Found found = search.from(movers.position(k), movers.normal(k), movers.reach(k));
+            positions[k] = found.place;
+            below[k] = found.below ? 1 : 0;
         }, 0.0f);
         movers.place(positions);
         if (round < 2) {
@@ -421,6 +436,11 @@ void shape_caps(PeriodicMesh& mesh, Caps& caps, Job& job)
     cap_of.assign(rest.size() - their_cap.size(), no_cap);
     cap_of.insert(cap_of.end(), their_cap.begin(), their_cap.end());
     mesh.triangles = std::move(rest);
+    std::vector<bool> below_at(mesh.positions.size(), false);
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+        below_at[v] = movers.has(v) && below[movers.of(v)] != 0;
+    }
+    return below_at;
 }
 
 }  // namespace mesoshell

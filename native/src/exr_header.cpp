@@ -21,8 +21,9 @@ constexpr int any_size = -1;
 constexpr int last_simple_compression = 3;  // none, RLE, deflate of one line, deflate of 16 lines
 
 const std::map<std::string, int> sizes_of_types{
-    {"box2f", 16},    {"box2i", 16}, {"chlist", any_size}, {"compression", 1}, {"double", 8}, {"float", 4}, {"int", 4},
-    {"lineOrder", 1}, {"m33f", 36},  {"m44f", 64},         {"string", any_size}, {"v2f", 8},  {"v2i", 8},   {"v3f", 12}, {"v3i", 12}};
+    {"box2f", 16},    {"box2i", 16}, {"chlist", any_size}, {"compression", 1},   {"double", 8},
+    {"float", 4},     {"int", 4},    {"lineOrder", 1},     {"m33f", 36},         {"m44f", 64},
+    {"string", any_size}, {"v2f", 8}, {"v2i", 8},          {"v3f", 12},          {"v3i", 12}};
 
 class Headers {
 public:

@@ -16,6 +16,8 @@ namespace {
 
 // Open parts whose closed volume is below this share of their area to the power 1.5 are sheets: they enclose nothing.
 constexpr double least_volume = 0.002;
+// Two rims lie against each other where they come closer than this share of their length.
+constexpr double nearness = 0.05;
 
 class Groups {
 public:
@@ -32,6 +34,48 @@ public:
 private:
     std::vector<std::size_t> parent_;
 };
+
+double length_of(const PeriodicMesh& mesh, const Loop& loop)
+{
+    double length = 0.0;
+    for (std::size_t i = 1; i < loop.corners.size(); ++i) {
+        const auto place = [&](const LoopCorner& c) { return mesh.positions[c.place] + mesh.period(c.shift); };
+        length += glm::distance(place(loop.corners[i - 1]), place(loop.corners[i]));
+    }
+    return length;
+}
+
+// Adds a flat cap for every loop.
+void span_loops(PeriodicMesh& mesh, Caps& caps, const std::vector<Loop>& loops)
+{
+    std::map<std::tuple<std::uint32_t, int, int>, std::uint32_t> vertices;
+    for (std::uint32_t v = 0; v < mesh.positions.size() && !loops.empty(); ++v) {
+        vertices.try_emplace({mesh.place[v], mesh.shift[v].x, mesh.shift[v].y}, v);
+    }
+    for (const Loop& loop : loops) {
+        std::vector<std::uint32_t> corners;
+        std::vector<glm::dvec3> places;
+        for (const LoopCorner& c : loop.corners) {
+            const auto [found, added] =
+                vertices.try_emplace({c.place, c.shift.x, c.shift.y}, static_cast<std::uint32_t>(mesh.positions.size()));
+            if (added) {
+                mesh.positions.push_back(mesh.positions[c.place] + mesh.period(c.shift));
+                mesh.place.push_back(c.place);
+                mesh.shift.push_back(c.shift);
+            }
+            corners.push_back(found->second);
+            places.emplace_back(mesh.positions[found->second]);
+        }
+        for (const auto& t : triangulate_loop(places)) {
+            const glm::uvec3 triangle(corners[t[0]], corners[t[1]], corners[t[2]]);
+            if (triangle.x != triangle.y && triangle.y != triangle.z && triangle.z != triangle.x) {
+                mesh.triangles.push_back(triangle);
+                caps.of_triangle.push_back(static_cast<std::uint32_t>(caps.count));
+            }
+        }
+        caps.count += 1;
+    }
+}
 
 // Marks the triangles of open parts that, together with their caps, enclose nothing.
 std::vector<bool> mark_sheets(const PeriodicMesh& mesh, const std::vector<std::uint32_t>& cap_of, std::size_t caps)
@@ -81,7 +125,8 @@ std::vector<bool> mark_sheets(const PeriodicMesh& mesh, const std::vector<std::u
     std::vector<bool> sheet(cap_of.size());
     for (std::uint32_t t = 0; t < cap_of.size(); ++t) {
         const Body& body = bodies[groups.find(group_of(t))];
-        sheet[t] = body.open && std::abs(body.covered) < 0.5 && std::abs(body.volume) <= least_volume * std::pow(body.area, 1.5);
+        const bool encloses = std::abs(body.volume) > least_volume * std::pow(body.area, 1.5);
+        sheet[t] = body.open && std::abs(body.covered) < 0.5 && !encloses;
     }
     return sheet;
 }
@@ -92,36 +137,55 @@ Caps span_holes(PeriodicMesh& mesh)
 {
     std::vector<Loop> loops = boundary_loops(mesh);
     join_periodic_loops(mesh, loops);
-    std::map<std::tuple<std::uint32_t, int, int>, std::uint32_t> vertices;
-    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
-        vertices.try_emplace({mesh.place[v], mesh.shift[v].x, mesh.shift[v].y}, v);
-    }
     Caps caps;
-    caps.count = loops.size();
     caps.of_triangle.assign(mesh.triangles.size(), no_cap);
-    for (std::uint32_t cap = 0; cap < loops.size(); ++cap) {
-        std::vector<std::uint32_t> corners;
-        std::vector<glm::dvec3> places;
-        for (const LoopCorner& c : loops[cap].corners) {
-            const auto [found, added] =
-                vertices.try_emplace({c.place, c.shift.x, c.shift.y}, static_cast<std::uint32_t>(mesh.positions.size()));
-            if (added) {
-                mesh.positions.push_back(mesh.positions[c.place] + mesh.period(c.shift));
-                mesh.place.push_back(c.place);
-                mesh.shift.push_back(c.shift);
-            }
-            corners.push_back(found->second);
-            places.emplace_back(mesh.positions[found->second]);
-        }
-        for (const auto& t : triangulate_loop(places)) {
-            const glm::uvec3 triangle(corners[t[0]], corners[t[1]], corners[t[2]]);
-            if (triangle.x != triangle.y && triangle.y != triangle.z && triangle.z != triangle.x) {
-                mesh.triangles.push_back(triangle);
-                caps.of_triangle.push_back(cap);
-            }
+    span_loops(mesh, caps, loops);
+    return caps;
+}
+
+void join_caps(PeriodicMesh& mesh, Caps& caps, const std::vector<bool>& taken_out)
+{
+    PeriodicMesh open = mesh;
+    Caps left = caps;
+    std::size_t count = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const glm::uvec3& corners = mesh.triangles[t];
+        if (caps.of_triangle[t] == no_cap || !(taken_out[corners.x] || taken_out[corners.y] || taken_out[corners.z])) {
+            open.triangles[count] = corners;
+            left.of_triangle[count++] = caps.of_triangle[t];
         }
     }
-    return caps;
+    open.triangles.resize(count);
+    left.of_triangle.resize(count);
+    std::vector<Loop> loops = boundary_loops(open);
+    join_periodic_loops(open, loops);
+    std::vector<Loop> spanned;
+    std::size_t pairs = 0;
+    while (!loops.empty()) {
+        Loop loop = std::move(loops.back());
+        loops.pop_back();
+        double least = nearness * length_of(open, loop);
+        std::size_t partner = loops.size();
+        for (std::size_t i = 0; i < loops.size(); ++i) {
+            if (const double distance = distance_between(open, loop, loops[i]); distance < least) {
+                least = distance;
+                partner = i;
+            }
+        }
+        if (partner < loops.size()) {
+            loop = joined(open, loop, loops[partner]);
+            loops.erase(loops.begin() + static_cast<std::ptrdiff_t>(partner));
+            pairs += 1;
+        }
+        spanned.push_back(std::move(loop));
+    }
+    if (pairs > 0) {
+        const std::size_t holes = caps.count;
+        span_loops(open, left, spanned);
+        left.count = holes;
+        mesh = std::move(open);
+        caps = std::move(left);
+    }
 }
 
 std::size_t leave_out_sheets(PeriodicMesh& mesh, Caps& caps)

@@ -68,7 +68,8 @@ private:
         const glm::dvec3 ab = corners_[b] - corners_[a];
         const glm::dvec3 ac = corners_[c] - corners_[a];
         const glm::dvec3 bc = ac - ab;
-        return 0.5 * glm::length(glm::cross(ab, ac)) + slenderness * (glm::dot(ab, ab) + glm::dot(ac, ac) + glm::dot(bc, bc));
+        const double squares = glm::dot(ab, ab) + glm::dot(ac, ac) + glm::dot(bc, bc);
+        return 0.5 * glm::length(glm::cross(ab, ac)) + slenderness * squares;
     }
 
     void add_of_least_area(const std::vector<std::uint32_t>& loop)

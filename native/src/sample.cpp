@@ -104,7 +104,8 @@ void Sample::repair(const SampleOptions& options)
 {
     PeriodicMesh mesh = weld(input_positions_, input_triangles_, aspect_);
     if (const std::size_t dropped = drop_degenerate(mesh); dropped > 0) {
-        notices_.push_back(counted(dropped, "face", "has", "have") + " no area and " + (dropped == 1 ? "was" : "were") + " left out.");
+        notices_.push_back(counted(dropped, "face", "has", "have") + " no area and " + (dropped == 1 ? "was" : "were") +
+                           " left out.");
     }
     if (const std::size_t dropped = drop_duplicates(mesh); dropped > 0) {
         notices_.push_back(counted(dropped, "duplicate face", "was", "were") + " dropped.");
@@ -143,15 +144,16 @@ void Sample::repair(const SampleOptions& options)
         notices_.push_back(counted(sheets, "open part", "became a sheet", "became sheets") + " of the given thickness.");
     }
     if (const std::size_t dropped = leave_out_sheets(mesh, caps); dropped > 0) {
-        notices_.push_back(counted(dropped, "face", "encloses", "enclose") + " nothing and " + (dropped == 1 ? "was" : "were") +
-                           " left out; give a thickness to keep sheets.");
+        notices_.push_back(counted(dropped, "face", "encloses", "enclose") + " nothing and " +
+                           (dropped == 1 ? "was" : "were") + " left out; give a thickness to keep sheets.");
     }
     if (mesh.triangles.empty()) {
-        throw InvalidArgument("the tile's mesh is open and encloses nothing; give a thickness, or close it, so that it has an inside");
+        throw InvalidArgument("the tile's mesh is open and encloses nothing; give a thickness, or close it, so that it has "
+                              "an inside");
     }
     Job job;
     if (caps.count > 0) {
-        shape_caps(mesh, caps, job);
+        join_caps(mesh, caps, shape_caps(mesh, caps, job));
         notices_.push_back(counted(caps.count, "hole", "was", "were") + " closed.");
     }
     winding_range_ = winding_range(mesh, job);

@@ -32,7 +32,10 @@ namespace {
 // A file that is being read. Every doubt about it ends with a sentence that names it.
 class Reader {
 public:
-    Reader(const std::string& path, Imf::IStream& stream, std::uintmax_t size) : path_(path), file_(stream, 0), file_size_(size) {}
+    Reader(const std::string& path, Imf::IStream& stream, std::uintmax_t size)
+        : path_(path), file_(stream, 0), file_size_(size)
+    {
+    }
 
     Map read() const
     {

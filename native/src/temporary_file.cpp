@@ -22,7 +22,8 @@ void remove_leftovers(const std::filesystem::path& target)
     const std::string prefix = target.filename().string() + infix;
     const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
     std::error_code problem;
-    for (std::filesystem::directory_iterator entry(folder, problem), end; !problem && entry != end; entry.increment(problem)) {
+    std::filesystem::directory_iterator entry(folder, problem);
+    for (; !problem && entry != std::filesystem::directory_iterator(); entry.increment(problem)) {
         if (entry->path().filename().string().rfind(prefix, 0) != 0) {
             continue;
         }

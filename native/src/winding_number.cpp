@@ -32,7 +32,8 @@ WindingNumber::WindingNumber(const PeriodicMesh& mesh, std::span<const glm::uvec
 {
     triangles_.reserve(triangles.size());
     for (const glm::uvec3& t : triangles) {
-        triangles_.push_back({glm::dvec3(mesh.positions[t.x]), glm::dvec3(mesh.positions[t.y]), glm::dvec3(mesh.positions[t.z])});
+        const auto corner = [&](std::uint32_t v) { return glm::dvec3(mesh.positions[v]); };
+        triangles_.push_back({corner(t.x), corner(t.y), corner(t.z)});
         // Into the tile: which copy of a triangle is the first does not matter, and the tree wants them close together.
         const glm::dvec3 middle = (triangles_.back()[0] + triangles_.back()[1] + triangles_.back()[2]) / 3.0;
         const glm::dvec3 home(std::floor(middle.x), std::floor(middle.y / aspect_) * aspect_, 0.0);
@@ -152,8 +153,8 @@ double WindingNumber::at(const glm::dvec3& point) const
             sum += share * of_tree(point - glm::dvec3(i, j * aspect_, 0.0));
         }
     }
-    // Outside a disc of radius R the integral of A_z z / |r|^3 is 2 pi A_z z / s, where s^2 = R^2 + z^2, and that of the first moments
-    // 2 pi (M_zz - (M_xx + M_yy) / 2) R^2 / s^3; here their means over discs from near to far.
+    // Outside a disc of radius R the integral of A_z z / |r|^3 is 2 pi A_z z / s, where s^2 = R^2 + z^2, and that of the
+    // first moments 2 pi (M_zz - (M_xx + M_yy) / 2) R^2 / s^3; here their means over discs from near to far.
     const double z = std::max(std::abs(from.z), 1e-9);
     const double logarithm = std::asinh(far / z) - std::asinh(near / z);
     const double of_area = std::copysign(z * logarithm, from.z);

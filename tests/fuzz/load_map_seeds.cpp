@@ -9,8 +9,9 @@ int main(int count, char** arguments)
     }
     for (const auto precision : {mesoshell::Precision::half, mesoshell::Precision::single}) {
         for (const bool with_sdf : {false, true}) {
-            const std::string name = std::string(precision == mesoshell::Precision::half ? "half" : "float") + (with_sdf ? "_sdf" : "");
-            mesoshell::save_map(mesoshell::small_map(precision, with_sdf), std::string(arguments[1]) + "/" + name + ".exr");
+            const char* const type = precision == mesoshell::Precision::half ? "half" : "float";
+            const std::string path = std::string(arguments[1]) + "/" + type + (with_sdf ? "_sdf.exr" : ".exr");
+            mesoshell::save_map(mesoshell::small_map(precision, with_sdf), path);
         }
     }
     return 0;

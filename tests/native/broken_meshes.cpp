@@ -120,6 +120,11 @@ glm::vec3 middle_of(const Mesh& mesh, const glm::uvec3& t)
     return (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0f;
 }
 
+glm::uvec3 any_face(const Mesh& mesh, Random& random)
+{
+    return mesh.triangles[static_cast<std::size_t>(random.below(static_cast<int>(mesh.triangles.size())))];
+}
+
 template <typename Kept>
 void keep_faces(Mesh& mesh, const Kept& kept)
 {
@@ -158,7 +163,7 @@ void double_some(Mesh& mesh, double share, Random& random)
 void add_slivers(Mesh& mesh, int count, Random& random)
 {
     for (int i = 0; i < count; ++i) {
-        const glm::uvec3 t = mesh.triangles[static_cast<std::size_t>(random.below(static_cast<int>(mesh.triangles.size())))];
+        const glm::uvec3 t = any_face(mesh, random);
         if (i % 2 == 0) {
             mesh.triangles.emplace_back(t.x, t.x, t.y);
         } else {
@@ -172,7 +177,7 @@ void add_slivers(Mesh& mesh, int count, Random& random)
 void add_fins(Mesh& mesh, int count, double size, Random& random)
 {
     for (int i = 0; i < count; ++i) {
-        const glm::uvec3 t = mesh.triangles[static_cast<std::size_t>(random.below(static_cast<int>(mesh.triangles.size())))];
+        const glm::uvec3 t = any_face(mesh, random);
         const glm::vec3 out(glm::normalize(random.direction()));
         mesh.positions.push_back(middle_of(mesh, t) + out * within(random, 0.3 * size, size));
         mesh.triangles.emplace_back(t.y, t.x, static_cast<std::uint32_t>(mesh.positions.size() - 1));
@@ -233,7 +238,8 @@ void crumple(BrokenMesh& broken, double distance, Random& random)
 
 std::string name_of(Solid solid)
 {
-    const char* const names[] = {"ball", "box", "torus", "strands", "hollow ball", "overlapping balls", "terrain", "ball at corner"};
+    const char* const names[] = {"ball",        "box",               "torus",   "strands",
+                                 "hollow ball", "overlapping balls", "terrain", "ball at corner"};
     return names[static_cast<int>(solid)];
 }
 
@@ -264,8 +270,11 @@ BrokenMesh random_solid(Solid solid, Random& random)
         result.mesh = ring(center, within(random, 0.2, 0.26), within(random, 0.08, 0.13));
         break;
     case Solid::strands:
-        result.mesh = merged(strand(0, result.aspect, center + glm::vec3(0.0f, 0.0f, 0.1f), within(random, 0.08, 0.14), 0.05f),
-                             strand(1, result.aspect, center - glm::vec3(0.0f, 0.0f, 0.1f), within(random, 0.08, 0.14), 0.05f));
+        for (const int axis : {0, 1}) {
+            const glm::vec3 above(0.0f, 0.0f, axis == 0 ? 0.1f : -0.1f);
+            const float thickness = within(random, 0.08, 0.14);
+            result.mesh = merged(result.mesh, strand(axis, result.aspect, center + above, thickness, 0.05f));
+        }
         break;
     case Solid::hollow_ball:
         result.mesh = merged(sphere(center, radius, 9, 12), flipped(sphere(center, 0.5f * radius, 6, 9)));
@@ -290,15 +299,16 @@ BrokenMesh broken(BrokenMesh solid, Damage damage, Random& random)
     const double edge = mean_edge(solid.mesh);
     const auto tear = [&](double share) {
         // The faces nearest to one of them.
-        const glm::uvec3 t = solid.mesh.triangles[static_cast<std::size_t>(random.below(static_cast<int>(solid.mesh.triangles.size())))];
-        const glm::vec3 center = middle_of(solid.mesh, t);
+        const glm::vec3 center = middle_of(solid.mesh, any_face(solid.mesh, random));
         std::vector<float> distances;
         for (const glm::uvec3& other : solid.mesh.triangles) {
             distances.push_back(glm::distance(middle_of(solid.mesh, other), center));
         }
         std::sort(distances.begin(), distances.end());
         const float limit = distances[static_cast<std::size_t>(share * static_cast<double>(distances.size()))];
-        keep_faces(solid.mesh, [&](const glm::uvec3& other) { return glm::distance(middle_of(solid.mesh, other), center) > limit; });
+        keep_faces(solid.mesh, [&](const glm::uvec3& other) {
+            return glm::distance(middle_of(solid.mesh, other), center) > limit;
+        });
         solid.truth = solid.mesh;
     };
     switch (damage) {
@@ -334,8 +344,8 @@ BrokenMesh broken(BrokenMesh solid, Damage damage, Random& random)
         solid.truth = solid.mesh;
         break;
     case Damage::huge_triangles:
-        // Vertices astray, and faces that have nothing to do with the rest: a lattice of those covers the tile some times over, and
-        // its winding number says nothing.
+        // Vertices astray, and faces that have nothing to do with the rest: a lattice of those covers the tile some times
+        // over, and its winding number says nothing.
         for (int i = 0; i < 2; ++i) {
             solid.mesh.positions[static_cast<std::size_t>(random.below(static_cast<int>(solid.mesh.positions.size())))] =
                 glm::vec3(random.in_box({-2.0, -2.0, -1.0}, {3.0, 3.0, 2.0}));

@@ -14,7 +14,9 @@ constexpr Solid all_solids[] = {Solid::ball,        Solid::box,               So
                                 Solid::hollow_ball, Solid::overlapping_balls, Solid::terrain, Solid::ball_at_corner};
 std::string name_of(Solid solid);
 
-enum class Damage { scattered_holes, torn_off, flips, inside_out, duplicates, crumpled, unwelded, slivers, fins, huge_triangles, all };
+enum class Damage {
+    scattered_holes, torn_off, flips, inside_out, duplicates, crumpled, unwelded, slivers, fins, huge_triangles, all
+};
 constexpr Damage all_damages[] = {Damage::scattered_holes, Damage::torn_off, Damage::flips,   Damage::inside_out,
                                   Damage::duplicates,      Damage::crumpled, Damage::unwelded, Damage::slivers,
                                   Damage::fins,            Damage::huge_triangles, Damage::all};

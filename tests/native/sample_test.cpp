@@ -68,7 +68,7 @@ TEST(Sample, AspectThatIsNotPositive)
 
 TEST(Sample, MissingWallOfSheetsIsMissed)
 {
-    // Every corner of a sheet of one quad is the same point modulo the period, and the wall between them is a hole all the same.
+    // Every corner of a sheet of one quad is the same point modulo the period; the wall that is missing is a hole all the same.
     for (const int quads : {1, 3}) {
         Mesh mesh = sawtooth(0.1f, 0.2f, 0.4f, 0.0f, 1.0f, quads, quads);
         EXPECT_TRUE(mesh.sample(0.6f).notices().empty());

@@ -133,7 +133,8 @@ TEST(StoreDamage, HeadersThatOpenExrWouldBelieve)
     expect_doubt(patched("compression\0compression\0\1\0\0\0"s, "\4"s), "compressed as no map is");
     expect_doubt(patched("type\0string\0\x0D\0\0\0"s, "scanlineimagf"s), "scan lines");
     expect_doubt(patched("chunkCount\0int\0\4\0\0\0"s, "\0\0\0\x20"s), "more data than it can hold");
-    expect_doubt(patched("dataWindow\0box2i\0\x10\0\0\0"s, "\0\0\0\0\0\0\0\0\5\0\0\0\0\0\0\x70"s), "more data than it can hold");
+    expect_doubt(patched("dataWindow\0box2i\0\x10\0\0\0"s, "\0\0\0\0\0\0\0\0\5\0\0\0\0\0\0\x70"s),
+                 "more data than it can hold");
 }
 
 TEST(StoreDamage, MissingFile)

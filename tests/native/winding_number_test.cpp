@@ -31,7 +31,8 @@ double worst_error(const Mesh& mesh, float aspect, std::uint32_t seed)
     double worst = 0.0;
     for (int i = 0; i < 60; ++i) {
         const glm::dvec3 p = random.in_box({-1.0, -1.0, -0.5}, {2.0, 2.0, 1.2});
-        worst = std::max(worst, std::abs(winding.at(p) - balanced_winding(welded.positions, welded.triangles, aspect, p, 12)));
+        const double exact = balanced_winding(welded.positions, welded.triangles, aspect, p, 12);
+        worst = std::max(worst, std::abs(winding.at(p) - exact));
     }
     return worst;
 }
@@ -41,7 +42,8 @@ TEST(WindingNumber, MatchesTheSumOverAllTriangles)
     EXPECT_LT(worst_error(with_holes(sphere({0.5f, 0.45f, 0.3f}, 0.3f, 12, 16)), 1.0f, 1), winding_accuracy);
     EXPECT_LT(worst_error(with_holes(sphere({0.0f, 0.9f, 0.3f}, 0.25f, 10, 12)), 0.7f, 2), winding_accuracy);
     EXPECT_LT(worst_error(with_holes(sawtooth(0.1f, 0.2f, 0.5f, 0.3f, 1.3f, 6, 5)), 1.3f, 3), winding_accuracy);
-    EXPECT_LT(worst_error(with_holes(moved(sphere({0.5f, 0.45f, 0.3f}, 0.3f, 9, 11), {-3.0f, 5.0f, 0.0f})), 1.0f, 4), winding_accuracy);
+    const Mesh far = moved(sphere({0.5f, 0.45f, 0.3f}, 0.3f, 9, 11), {-3.0f, 5.0f, 0.0f});
+    EXPECT_LT(worst_error(with_holes(far), 1.0f, 4), winding_accuracy);
 }
 
 TEST(WindingNumber, OfAClosedMeshIsWhole)
