@@ -117,6 +117,14 @@ void Sample::repair(const SampleOptions& options)
     if (!(area > 0.0)) {
         throw InvalidArgument("the tile's mesh has no area; give it a face whose corners do not lie on one line");
     }
+    if (options.thickness == 0.0f) {
+        if (const std::size_t gone = close_cracks(mesh); gone > 0) {
+            drop_degenerate(mesh);
+            drop_duplicates(mesh);
+            notices_.push_back(counted(gone, "corner", "was", "were") +
+                               " moved by up to a thousandth of a tile width to close cracks.");
+        }
+    }
     const std::vector<glm::uvec3> before = mesh.triangles;
     Components components = make_coherent(mesh);
     std::size_t turned = count_differing(before, mesh.triangles);

@@ -246,7 +246,7 @@ std::string name_of(Solid solid)
 std::string name_of(Damage damage)
 {
     const char* const names[] = {"scattered holes", "torn off", "flips", "inside out", "duplicates", "crumpled",
-                                 "unwelded", "slivers", "fins", "huge triangles", "all of it"};
+                                 "unwelded", "cracked", "slivers", "fins", "huge triangles", "all of it"};
     return names[static_cast<int>(damage)];
 }
 
@@ -335,6 +335,13 @@ BrokenMesh broken(BrokenMesh solid, Damage damage, Random& random)
         break;
     case Damage::unwelded:
         unweld(solid.mesh);
+        break;
+    case Damage::cracked:
+        unweld(solid.mesh);
+        for (glm::vec3& p : solid.mesh.positions) {
+            p += glm::vec3(random.direction() * random.uniform(0.0, 2e-4));
+        }
+        solid.moved = 1e-3;
         break;
     case Damage::slivers:
         add_slivers(solid.mesh, 20, random);

@@ -15,11 +15,12 @@ constexpr Solid all_solids[] = {Solid::ball,        Solid::box,               So
 std::string name_of(Solid solid);
 
 enum class Damage {
-    scattered_holes, torn_off, flips, inside_out, duplicates, crumpled, unwelded, slivers, fins, huge_triangles, all
+    scattered_holes, torn_off, flips, inside_out, duplicates, crumpled, unwelded, cracked, slivers, fins, huge_triangles,
+    all
 };
-constexpr Damage all_damages[] = {Damage::scattered_holes, Damage::torn_off, Damage::flips,   Damage::inside_out,
-                                  Damage::duplicates,      Damage::crumpled, Damage::unwelded, Damage::slivers,
-                                  Damage::fins,            Damage::huge_triangles, Damage::all};
+constexpr Damage all_damages[] = {Damage::scattered_holes, Damage::torn_off, Damage::flips,    Damage::inside_out,
+                                  Damage::duplicates,      Damage::crumpled, Damage::unwelded, Damage::cracked,
+                                  Damage::slivers,         Damage::fins,     Damage::huge_triangles, Damage::all};
 std::string name_of(Damage damage);
 
 struct BrokenMesh {
@@ -27,7 +28,8 @@ struct BrokenMesh {
     Mesh truth;  // its faces, once each, with the sides that they had before they were broken
     float height = 0.0f;
     float aspect = 1.0f;
-    int covering = 0;  // sheets that span the tile: one for a terrain
+    int covering = 0;    // sheets that span the tile: one for a terrain
+    double moved = 0.0;  // how far a repair may move the surface, tile widths
 };
 
 // A solid of some 150 to 300 triangles with random place, size and proportions.

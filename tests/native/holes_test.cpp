@@ -262,6 +262,25 @@ TEST(Holes, TerrainWithHoles)
     expect_oracle(open.sample(0.6f, 0.9f), open, 1);
 }
 
+TEST(Holes, CracksAreClosed)
+{
+    // Every face has corners of its own, up to 0.0004 apart from its neighbors': by itself each of them encloses nothing.
+    Random random(8);
+    Mesh cracked;
+    for (const glm::uvec3& t : ball.triangles) {
+        const auto first = static_cast<std::uint32_t>(cracked.positions.size());
+        for (int i = 0; i < 3; ++i) {
+            cracked.positions.push_back(ball.positions[t[i]] + glm::vec3(random.direction() * 2e-4));
+        }
+        cracked.triangles.emplace_back(first, first + 1, first + 2);
+    }
+    const Sample sample = cracked.sample(0.6f);
+    EXPECT_TRUE(has_notice(sample, "to close cracks."));
+    EXPECT_FALSE(has_notice(sample, "hole"));
+    EXPECT_EQ(sample.triangles().size(), ball.triangles.size());
+    expect_oracle(sample, cracked, 0, 0.1);
+}
+
 TEST(Holes, SheetBesideASolidIsLeftOut)
 {
     Mesh sheet;
