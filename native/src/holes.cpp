@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <tuple>
 #include <vector>
 
 #include "boundary.h"
+#include "groups.h"
 #include "loop_triangulation.h"
 #include "repair.h"
 
@@ -18,22 +18,6 @@ namespace {
 constexpr double least_volume = 0.002;
 // Two rims lie against each other where they come closer than this share of their length.
 constexpr double nearness = 0.05;
-
-class Groups {
-public:
-    explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t(0)); }
-    std::size_t find(std::size_t i)
-    {
-        while (parent_[i] != i) {
-            i = parent_[i] = parent_[parent_[i]];
-        }
-        return i;
-    }
-    void join(std::size_t a, std::size_t b) { parent_[find(a)] = find(b); }
-
-private:
-    std::vector<std::size_t> parent_;
-};
 
 double length_of(const PeriodicMesh& mesh, const Loop& loop)
 {
@@ -84,21 +68,19 @@ std::vector<bool> mark_sheets(const PeriodicMesh& mesh, const std::vector<std::u
     faces.triangles.resize(static_cast<std::size_t>(std::count(cap_of.begin(), cap_of.end(), no_cap)));
     const Components components = make_coherent(faces);
     const auto group_of = [&](std::uint32_t t) {
-        return cap_of[t] == no_cap ? caps + components.of_triangle[t] : std::size_t(cap_of[t]);
+        return cap_of[t] == no_cap ? static_cast<std::uint32_t>(caps) + components.of_triangle[t] : cap_of[t];
     };
     // Caps hang together with what is open where they begin.
     Groups groups(caps + components.triangles.size());
     for_each_edge(sorted_sides(mesh), [&](std::span<const Side> edge) {
-        std::map<std::size_t, int> sums;
+        std::map<std::uint32_t, int> sums;
         for (const Side& s : edge) {
             sums[group_of(s.triangle)] += s.forward ? 1 : -1;
         }
-        std::size_t first = ~std::size_t(0);
-        const bool at_cap = sums.begin()->first < caps;
-        for (const auto& [group, sum] : sums) {
-            if (sum != 0 && at_cap) {
-                first = first == ~std::size_t(0) ? group : first;
-                groups.join(first, group);
+        std::erase_if(sums, [](const auto& entry) { return entry.second == 0; });
+        if (!sums.empty() && sums.begin()->first < caps) {
+            for (const auto& [group, sum] : sums) {
+                groups.join(sums.begin()->first, group);
             }
         }
     });
@@ -190,6 +172,9 @@ void join_caps(PeriodicMesh& mesh, Caps& caps, const std::vector<bool>& taken_ou
 
 std::size_t leave_out_sheets(PeriodicMesh& mesh, Caps& caps)
 {
+    if (caps.count == 0) {
+        return 0;
+    }
     const std::vector<bool> sheet = mark_sheets(mesh, caps.of_triangle, caps.count);
     std::vector<std::uint32_t> number(caps.count, no_cap);
     std::vector<std::uint32_t> of_triangle;

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "groups.h"
+
 namespace mesoshell {
 namespace {
 
@@ -43,32 +45,6 @@ std::size_t erase_marked(std::vector<glm::uvec3>& triangles, const std::vector<b
     triangles.resize(kept);
     return erased;
 }
-
-class Groups {
-public:
-    explicit Groups(std::size_t count) : parent_(count)
-    {
-        for (std::uint32_t i = 0; i < count; ++i) {
-            parent_[i] = i;
-        }
-    }
-    std::uint32_t find(std::uint32_t i)
-    {
-        while (parent_[i] != i) {
-            i = parent_[i] = parent_[parent_[i]];
-        }
-        return i;
-    }
-    void join(std::uint32_t a, std::uint32_t b)
-    {
-        a = find(a);
-        b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::uint32_t> parent_;
-};
 
 }  // namespace
 

@@ -32,9 +32,9 @@ struct Components {
 // with one side only (a Moebius strip) the disagreement stays along some of its edges.
 Components make_coherent(PeriodicMesh& mesh);
 
-// Turns components over, so that solids have their outsides out: one that is inside out, by the sign of the volume it
-// encloses (if it is open: closed by a cone), is turned together with what it contains, unless it is a cavity of a larger
-// one. Sheets that cover the whole tile are turned, all of them, where the solid would be above.
+// Turns components of a closed mesh over, so that solids have their outsides out: one that is inside out, by the sign of the
+// volume it encloses, is turned together with what it contains, unless it is a cavity of a larger one. Sheets that cover the
+// whole tile are turned, all of them, where the solid would be above.
 void turn_outward(PeriodicMesh& mesh, const Components& components);
 
 }  // namespace mesoshell

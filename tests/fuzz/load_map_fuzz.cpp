@@ -1,4 +1,5 @@
 // Any bytes as a map: it is read, or refused in a sentence. Anything else, also gigabytes or seconds, is a finding.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
