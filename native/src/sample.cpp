@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "border_walls.h"
 #include "cap_surface.h"
 #include "columns.h"
 #include "holes.h"
@@ -136,9 +137,14 @@ void Sample::repair(const SampleOptions& options)
         mesh = weld(std::move(mesh.positions), std::move(mesh.triangles), aspect_);
         drop_degenerate(mesh);
     }
+    const std::size_t walls = options.thickness == 0.0f ? add_border_walls(mesh) : 0;
+    if (walls > 0) {
+        notices_.push_back("The mesh does not fit its copies at " + counted(walls, "edge", "of", "of") +
+                           " the tile's border, where a wall was added.");
+    }
     // What is open has a volume, and with it an outside, only when it is closed.
     Caps caps = span_holes(mesh);
-    if (sheets > 0 || caps.count > 0) {
+    if (sheets > 0 || walls > 0 || caps.count > 0) {
         components = make_coherent(mesh);
     }
     turn_outward(mesh, components);

@@ -281,6 +281,54 @@ TEST(Holes, CracksAreClosed)
     expect_oracle(sample, cracked, 0, 0.1);
 }
 
+TEST(Holes, TerrainThatDoesNotFitItsCopiesGetsWalls)
+{
+    // Heights of a patch over the tile, one value a corner: its left and right borders differ, and so do the others.
+    constexpr int n = 6;
+    Random random(4);
+    double heights[n + 1][n + 1];
+    Mesh mesh;
+    for (int j = 0; j <= n; ++j) {
+        for (int i = 0; i <= n; ++i) {
+            heights[j][i] = random.uniform(0.15, 0.45);
+            mesh.positions.emplace_back(float(i) / n, 0.9f * float(j) / n, float(heights[j][i]));
+        }
+    }
+    for (std::uint32_t j = 0; j < n; ++j) {
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const std::uint32_t a = j * (n + 1) + i;
+            mesh.triangles.insert(mesh.triangles.end(), {{a, a + 1, a + n + 2}, {a, a + n + 2, a + n + 1}});
+        }
+    }
+    for (const Mesh& one : {mesh, flipped(mesh)}) {
+        const Sample sample = one.sample(0.6f, 0.9f);
+        EXPECT_TRUE(has_notice(sample, "does not fit its copies at 12 edges"));
+        EXPECT_FALSE(has_notice(sample, "hole"));
+        EXPECT_TRUE(sample.winds_outward());
+        Job job;
+        const glm::ivec3 nodes(7, 11, 13);
+        const std::vector<std::uint8_t> inside = classify_inside(sample, nodes, job);
+        for (std::size_t k = 0; k < inside.size(); ++k) {
+            const double x = double(k % 7) / 7 * n;
+            const double y = double(k / 7 % 11) / 11 * n;
+            const double z = 0.6 * double(k / 77) / 12;
+            if (k % 7 == 0 || k / 7 % 11 == 0) {
+                continue;  // on a wall
+            }
+            const int i = static_cast<int>(x);
+            const int j = static_cast<int>(y);
+            const double u = x - i;
+            const double v = y - j;
+            const double diagonal = heights[j + 1][i + 1];
+            const double surface = u > v ? heights[j][i] * (1 - u) + heights[j][i + 1] * (u - v) + diagonal * v
+                                         : heights[j][i] * (1 - v) + heights[j + 1][i] * (v - u) + diagonal * u;
+            if (std::abs(z - surface) > 1e-5) {
+                ASSERT_EQ(inside[k] != 0, z < surface) << x << " " << y << " " << z;
+            }
+        }
+    }
+}
+
 TEST(Holes, SheetBesideASolidIsLeftOut)
 {
     Mesh sheet;
