@@ -15,13 +15,14 @@ struct PeriodicMesh;
 
 struct SampleOptions {
     // Tile widths, not negative. Open parts of the mesh become sheets of this thickness, half of it to either side; where it
-    // is zero, they are solid where the winding number says so, and left out where that is nowhere.
+    // is zero, they are solid where the winding number says so, and left out where that is nowhere; terrain that does not fit
+    // its copies gets walls at the borders.
     float thickness = 0.0f;
 };
 
-// Geometry is in metric texture space: lengths in tile widths, x with period 1, y with period `aspect`, the slab 0 <= z <=
-// height. The mesh may cross the side borders (every copy by whole periods is implied). What lies beyond the slab is
-// clipped, and the solid is capped there.
+// Geometry is in metric texture space: lengths in tile widths, x with period 1, y with period `aspect`, the slab
+// 0 <= z <= height. The mesh may cross the side borders (every copy by whole periods is implied). What lies beyond the slab
+// is clipped, and the solid is capped there.
 //
 // Any mesh will do that has an area and encloses something, be it by a sheet's thickness. Vertices at one place modulo the
 // periods are one; degenerate and duplicate faces are dropped; faces are turned over until neighbors agree and solids have
@@ -32,9 +33,10 @@ struct SampleOptions {
 class Sample {
 public:
     // positions: [n], at most 64 periods from the tile; triangles: [m] vertex indices, three a triangle; height and aspect:
-    // positive. Throws InvalidArgument for values that are not finite or too far away, indices out of range, an empty mesh,
-    // one without any area, one that encloses nothing, options out of range, a height or aspect that is not positive, and a
-    // mesh without any geometry in the slab.
+    // positive.
+    // Throws InvalidArgument for values that are not finite or too far away, indices out of range, an empty mesh, one without
+    // any area, one that encloses nothing, options out of range, a height or aspect that is not positive, and a mesh without
+    // any geometry in the slab.
     Sample(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles, float height, float aspect,
            const SampleOptions& options = {});
 
