@@ -7,6 +7,8 @@
     gl          tests/gl, pytest with surfaceless EGL
     background  tests/blender in `blender --background`
     window      tests/blender in a Blender window under Xvfb
+    asan        tests/native's broken input again, under address and undefined-behavior sanitizers
+    fuzz        tests/fuzz, libFuzzer for a minute
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import time
 from pathlib import Path
 
 import blender_job
+import sanitizers
 from common import ADDON, BUILD, NATIVE_BUILD, PYTHON, REPO, STAGE, Problem, guard
 from machines import Here, base_environment
 from results import FAILED, Layer, from_junit, print_layers, summary
@@ -74,6 +77,8 @@ LAYERS = {
     "gl": lambda: python("gl", REPO / "tests/gl"),
     "background": lambda: blender("background"),
     "window": lambda: blender("window"),
+    "asan": lambda: sanitizers.asan(run),
+    "fuzz": sanitizers.fuzz,
 }
 
 

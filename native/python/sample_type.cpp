@@ -80,8 +80,6 @@ PyGetSetDef sample_attributes[] = {
     {"clipped_triangles", [](PyObject* self, void*) { return PyLong_FromSize_t(self_of(self).clipped_triangles()); }, nullptr,
      "triangles cut or dropped at w = 0 and w = 1", nullptr},
     {"notices", sample_notices, nullptr, "what was repaired, in sentences", nullptr},
-    {"integer_winding", [](PyObject* self, void*) { return PyBool_FromLong(self_of(self).integer_winding()); }, nullptr,
-     "whether the repaired mesh is closed", nullptr},
     {nullptr, nullptr, nullptr, nullptr, nullptr},
 };
 
@@ -89,7 +87,7 @@ PyType_Slot sample_slots[] = {
     {Py_tp_doc, const_cast<char*>("Sample(positions, triangles, *, height, aspect=1.0, thickness=0.0)\n--\n\n"
                                   "A periodic mesh in metric texture space: positions [n, 3] in tile widths (x has "
                                   "period 1, y period aspect), triangles [m, 3]. It is repaired; what is open becomes a "
-                                  "sheet of the given thickness, in tile widths. Raises ValueError.")},
+                                  "sheet of the given thickness, in tile widths, or is closed. Raises ValueError.")},
     {Py_tp_new, reinterpret_cast<void*>(sample_new)},
     {Py_tp_dealloc, reinterpret_cast<void*>(dealloc_boxed<Sample>)},
     {Py_tp_getset, sample_attributes},

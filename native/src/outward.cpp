@@ -19,34 +19,19 @@ struct Shape {
     double volume = 0.0;   // enclosed, positive where the outside is out
     double covered = 0.0;  // area seen from above less that seen from below, in tiles
     double height = 0.0;   // mean z
-    bool closed = true;
 
     bool has_volume() const { return std::abs(volume) > least_volume * std::pow(area, 1.5); }
     bool covers_tile() const { return std::abs(covered) > 0.5; }
 };
 
-Shape measure(const PeriodicMesh& mesh, const std::vector<std::uint32_t>& triangles, const Components& components, bool wraps,
-              const std::map<std::pair<std::uint32_t, int>, int>& open_sides)
+Shape measure(const PeriodicMesh& mesh, const Components& components, std::size_t component)
 {
-    Shape shape;
+    const std::vector<std::uint32_t>& triangles = components.triangles[component];
     const auto corner = [&](std::uint32_t t, int i) {
         return glm::dvec3(mesh.positions[mesh.triangles[t][i]]) + glm::dvec3(mesh.period(components.offset[t]));
     };
-    // The middle of its boundary, from where a cone closes it.
-    glm::dvec3 middle(0.0);
-    double boundary = 0.0;
-    for (const std::uint32_t t : triangles) {
-        for (int i = 0; i < 3; ++i) {
-            if (open_sides.contains({t, i})) {
-                const glm::dvec3 a = corner(t, i);
-                const glm::dvec3 b = corner(t, (i + 1) % 3);
-                middle += (a + b) * 0.5 * glm::length(b - a);
-                boundary += glm::length(b - a);
-            }
-        }
-    }
-    shape.closed = boundary == 0.0;
-    middle = shape.closed ? corner(triangles.front(), 0) : middle / boundary;
+    const glm::dvec3 middle = corner(triangles.front(), 0);
+    Shape shape;
     for (const std::uint32_t t : triangles) {
         const glm::dvec3 area = area_vector(mesh, mesh.triangles[t]) * 0.5;
         const glm::dvec3 center = (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0 - middle;
@@ -54,31 +39,10 @@ Shape measure(const PeriodicMesh& mesh, const std::vector<std::uint32_t>& triang
         shape.covered += area.z / mesh.aspect;
         shape.height += center.z * glm::length(area);
         // Gauss: the integral of x . n / 3 over a closed surface, or of z n_z, which does not mind that it wraps.
-        shape.volume += wraps ? center.z * area.z : glm::dot(center, area) / 3.0;
+        shape.volume += components.wraps[component] ? center.z * area.z : glm::dot(center, area) / 3.0;
     }
     shape.height = middle.z + shape.height / std::max(shape.area, 1e-30);
     return shape;
-}
-
-// Sides that bound their component.
-std::map<std::pair<std::uint32_t, int>, int> open_sides_of(const PeriodicMesh& mesh, const Components& components)
-{
-    std::map<std::pair<std::uint32_t, int>, int> open_sides;
-    for_each_edge(sorted_sides(mesh), [&](std::span<const Side> edge) {
-        if (edge.size() == 2 && edge[0].forward != edge[1].forward) {
-            return;  // then both are of one component
-        }
-        std::map<std::uint32_t, int> of_component;
-        for (const Side& s : edge) {
-            of_component[components.of_triangle[s.triangle]] += s.forward ? 1 : -1;
-        }
-        for (const Side& s : edge) {
-            if (of_component[components.of_triangle[s.triangle]] != 0) {
-                open_sides[{s.triangle, s.corner}] = 1;
-            }
-        }
-    });
-    return open_sides;
 }
 
 // Components that close one another where more than two faces meet are one body: turning one of them would open it.
@@ -160,9 +124,8 @@ public:
     Turner(PeriodicMesh& mesh, Components components)
         : mesh_(mesh), columns_(mesh), components_(std::move(components)), turned_(components_.triangles.size(), false)
     {
-        const auto open_sides = open_sides_of(mesh, components_);
         for (std::size_t i = 0; i < components_.triangles.size(); ++i) {
-            shapes_.push_back(measure(mesh, components_.triangles[i], components_, components_.wraps[i], open_sides));
+            shapes_.push_back(measure(mesh, components_, i));
         }
     }
 
@@ -295,39 +258,6 @@ private:
 void turn_outward(PeriodicMesh& mesh, const Components& components)
 {
     Turner(mesh, bodies_of(mesh, components)).run();
-}
-
-std::size_t drop_two_sided_sheets(PeriodicMesh& mesh, Components& components, const std::vector<bool>& two_sided)
-{
-    if (std::find(two_sided.begin(), two_sided.end(), true) == two_sided.end()) {
-        return 0;
-    }
-    const auto open_sides = open_sides_of(mesh, components);
-    std::vector<bool> dropped(mesh.triangles.size(), false);
-    for (std::size_t i = 0; i < components.triangles.size(); ++i) {
-        const std::vector<std::uint32_t>& triangles = components.triangles[i];
-        if (std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) { return two_sided[t]; })) {
-            const Shape shape = measure(mesh, triangles, components, components.wraps[i], open_sides);
-            if (!shape.closed && !shape.has_volume()) {
-                for (const std::uint32_t t : triangles) {
-                    dropped[t] = true;
-                }
-            }
-        }
-    }
-    std::vector<glm::uvec3> kept;
-    for (std::size_t t = 0; t < dropped.size(); ++t) {
-        if (!dropped[t]) {
-            kept.push_back(mesh.triangles[t]);
-        }
-    }
-    const std::size_t count = mesh.triangles.size() - kept.size();
-    if (count == 0 || kept.empty()) {
-        return 0;
-    }
-    mesh.triangles = std::move(kept);
-    components = make_coherent(mesh);
-    return count;
 }
 
 }  // namespace mesoshell

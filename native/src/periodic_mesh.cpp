@@ -16,8 +16,8 @@ constexpr std::uint32_t none = ~0u;
 // Places by bucket, modulo the periods.
 class Places {
 public:
-    explicit Places(const std::vector<glm::vec3>& positions, double aspect)
-        : positions_(positions), period_(1.0, aspect),
+    Places(const std::vector<glm::vec3>& positions, double aspect, double distance)
+        : positions_(positions), distance_(distance), period_(1.0, aspect),
           buckets_(std::max(1.0, std::floor(1.0 / bucket_size)), std::max(1.0, std::floor(aspect / bucket_size))),
           size_(period_ / glm::dvec2(buckets_)), next_(positions.size(), none)
     {
@@ -28,14 +28,14 @@ public:
     std::uint32_t find_or_add(std::uint32_t vertex)
     {
         const glm::dvec3 p = wrapped(vertex);
-        const glm::i64vec3 low = bucket(p - weld_distance);
-        const glm::i64vec3 high = bucket(p + weld_distance);
+        const glm::i64vec3 low = bucket(p - distance_);
+        const glm::i64vec3 high = bucket(p + distance_);
         for (std::int64_t z = low.z; z <= high.z; ++z) {
             for (std::int64_t y = low.y; y <= high.y; ++y) {
                 for (std::int64_t x = low.x; x <= high.x; ++x) {
                     const auto found = first_.find(key({x, y, z}));
                     for (std::uint32_t i = found == first_.end() ? none : found->second; i != none; i = next_[i]) {
-                        if (squared_distance(wrapped(i), p) < weld_distance * weld_distance) {
+                        if (squared_distance(wrapped(i), p) < distance_ * distance_) {
                             return i;
                         }
                     }
@@ -77,6 +77,7 @@ private:
     }
 
     const std::vector<glm::vec3>& positions_;
+    double distance_;
     glm::dvec2 period_;
     glm::i64vec2 buckets_;
     glm::dvec2 size_;
@@ -84,16 +85,14 @@ private:
     std::vector<std::uint32_t> next_;
 };
 
-}  // namespace
-
-PeriodicMesh weld(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles, float aspect)
+PeriodicMesh weld_within(double distance, std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles, float aspect)
 {
     PeriodicMesh mesh;
     mesh.aspect = aspect;
     mesh.triangles = std::move(triangles);
     mesh.place.resize(positions.size());
     mesh.shift.resize(positions.size());
-    Places places(positions, aspect);
+    Places places(positions, aspect, distance);
     for (std::uint32_t i = 0; i < positions.size(); ++i) {
         mesh.place[i] = places.find_or_add(i);
         const glm::dvec2 offset = glm::dvec2(positions[i]) - glm::dvec2(positions[mesh.place[i]]);
@@ -105,6 +104,55 @@ PeriodicMesh weld(std::vector<glm::vec3> positions, std::vector<glm::uvec3> tria
         mesh.positions[i] = glm::vec3(there + glm::dvec3(mesh.shift[i].x, mesh.shift[i].y * static_cast<double>(aspect), 0.0));
     }
     return mesh;
+}
+
+}  // namespace
+
+PeriodicMesh weld(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles, float aspect)
+{
+    return weld_within(weld_distance, std::move(positions), std::move(triangles), aspect);
+}
+
+std::size_t close_cracks(PeriodicMesh& mesh)
+{
+    std::vector<std::uint32_t> rim;  // places
+    std::vector<std::uint32_t> index(mesh.positions.size(), none);
+    double length = 0.0;
+    double edges = 0.0;
+    for_each_edge(sorted_sides(mesh), [&](std::span<const Side> sides) {
+        if (balance(sides) == 0) {
+            return;
+        }
+        for (const std::uint32_t place : {sides[0].low, sides[0].high}) {
+            if (index[place] == none) {
+                index[place] = static_cast<std::uint32_t>(rim.size());
+                rim.push_back(place);
+            }
+        }
+        const glm::uvec3& t = mesh.triangles[sides[0].triangle];
+        length += glm::distance(mesh.positions[t[sides[0].corner]], mesh.positions[t[(sides[0].corner + 1) % 3]]);
+        edges += 1.0;
+    });
+    if (rim.empty()) {
+        return 0;
+    }
+    std::vector<glm::vec3> positions;
+    for (const std::uint32_t place : rim) {
+        positions.push_back(mesh.positions[place]);
+    }
+    const PeriodicMesh welded = weld_within(std::min(widest_crack, 0.25 * length / edges), std::move(positions), {}, mesh.aspect);
+    std::size_t gone = 0;
+    for (std::uint32_t i = 0; i < rim.size(); ++i) {
+        gone += welded.place[i] != i ? 1 : 0;
+    }
+    for (std::uint32_t v = 0; gone > 0 && v < mesh.positions.size(); ++v) {
+        if (const std::uint32_t i = index[mesh.place[v]]; i != none && welded.place[i] != i) {
+            mesh.place[v] = rim[welded.place[i]];
+            mesh.shift[v] += welded.shift[i];
+            mesh.positions[v] = mesh.positions[mesh.place[v]] + mesh.period(mesh.shift[v]);
+        }
+    }
+    return gone;
 }
 
 std::vector<Side> sorted_sides(const PeriodicMesh& mesh)

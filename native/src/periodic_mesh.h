@@ -33,6 +33,12 @@ struct PeriodicMesh {
 
 PeriodicMesh weld(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles, float aspect);
 
+// Places on open edges that lie closer than this, in tile widths, and than a quarter of the mean open edge are a crack.
+constexpr double widest_crack = 1e-3;
+
+// Makes one place of those on either side of a crack. Returns the number of places that are gone; their faces may be degenerate.
+std::size_t close_cracks(PeriodicMesh& mesh);
+
 // One side of one triangle. Sides with equal ends are one edge modulo the periods; edges that join the same places across
 // different borders are different edges, and one may join a place to its own copy.
 struct Side {

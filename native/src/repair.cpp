@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "groups.h"
+
 namespace mesoshell {
 namespace {
 
@@ -44,32 +46,6 @@ std::size_t erase_marked(std::vector<glm::uvec3>& triangles, const std::vector<b
     return erased;
 }
 
-class Groups {
-public:
-    explicit Groups(std::size_t count) : parent_(count)
-    {
-        for (std::uint32_t i = 0; i < count; ++i) {
-            parent_[i] = i;
-        }
-    }
-    std::uint32_t find(std::uint32_t i)
-    {
-        while (parent_[i] != i) {
-            i = parent_[i] = parent_[parent_[i]];
-        }
-        return i;
-    }
-    void join(std::uint32_t a, std::uint32_t b)
-    {
-        a = find(a);
-        b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::uint32_t> parent_;
-};
-
 }  // namespace
 
 std::size_t drop_degenerate(PeriodicMesh& mesh)
@@ -85,9 +61,8 @@ std::size_t drop_degenerate(PeriodicMesh& mesh)
     return erase_marked(mesh.triangles, degenerate);
 }
 
-std::size_t drop_duplicates(PeriodicMesh& mesh, std::vector<bool>& two_sided)
+std::size_t drop_duplicates(PeriodicMesh& mesh)
 {
-    two_sided.assign(mesh.triangles.size(), false);
     std::vector<std::pair<Key, std::uint32_t>> keys;
     keys.reserve(mesh.triangles.size());
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -96,7 +71,6 @@ std::size_t drop_duplicates(PeriodicMesh& mesh, std::vector<bool>& two_sided)
     std::sort(keys.begin(), keys.end());
     std::vector<bool> dropped(mesh.triangles.size());
     std::vector<std::uint32_t> copies(mesh.triangles.size(), 1);
-    std::vector<int> sides_seen(mesh.triangles.size(), 1);  // those with the side of the first, less the others
     bool any = false;
     for (std::size_t i = 1, kept = 0; i < keys.size(); ++i) {
         if (keys[i].first != keys[kept].first) {
@@ -105,10 +79,6 @@ std::size_t drop_duplicates(PeriodicMesh& mesh, std::vector<bool>& two_sided)
         }
         dropped[keys[i].second] = true;
         copies[keys[kept].second] += 1;
-        sides_seen[keys[kept].second] +=
-            glm::dot(area_vector(mesh, mesh.triangles[keys[i].second]), area_vector(mesh, mesh.triangles[keys[kept].second])) < 0.0
-                ? -1
-                : 1;
         any = true;
     }
     if (!any) {
@@ -147,13 +117,6 @@ std::size_t drop_duplicates(PeriodicMesh& mesh, std::vector<bool>& two_sided)
             dropped[i] = true;
         }
     }
-    std::size_t left = 0;
-    for (std::size_t i = 0; i < dropped.size(); ++i) {
-        if (!dropped[i]) {
-            two_sided[left++] = sides_seen[i] == 0;
-        }
-    }
-    two_sided.resize(left);
     return erase_marked(mesh.triangles, dropped);
 }
 

@@ -17,8 +17,7 @@ std::size_t drop_degenerate(PeriodicMesh& mesh);
 // Drops all but one of the triangles with the same three corners, modulo a common period and whatever their sides. Where a
 // patch of such triangles is a wall between two solids that meet there (without it every edge of the patch has an even
 // number of faces), none of it is kept. Returns the number of triangles dropped.
-// two_sided: of every triangle left, whether as many copies had the one side as the other.
-std::size_t drop_duplicates(PeriodicMesh& mesh, std::vector<bool>& two_sided);
+std::size_t drop_duplicates(PeriodicMesh& mesh);
 
 // The triangles that hang together across edges of exactly two faces.
 struct Components {
@@ -33,13 +32,9 @@ struct Components {
 // with one side only (a Moebius strip) the disagreement stays along some of its edges.
 Components make_coherent(PeriodicMesh& mesh);
 
-// Turns components over, so that solids have their outsides out: one that is inside out, by the sign of the volume it
-// encloses (if it is open: closed by a cone), is turned together with what it contains, unless it is a cavity of a larger
-// one. Sheets that cover the whole tile are turned, all of them, where the solid would be above.
+// Turns components of a closed mesh over, so that solids have their outsides out: one that is inside out, by the sign of the
+// volume it encloses, is turned together with what it contains, unless it is a cavity of a larger one. Sheets that cover the
+// whole tile are turned, all of them, where the solid would be above.
 void turn_outward(PeriodicMesh& mesh, const Components& components);
-
-// Drops open components of two-sided triangles that enclose no volume: by the winding number they were nothing when they
-// came. Unless nothing else is left. Returns the number of triangles dropped; components are those of what is left.
-std::size_t drop_two_sided_sheets(PeriodicMesh& mesh, Components& components, const std::vector<bool>& two_sided);
 
 }  // namespace mesoshell

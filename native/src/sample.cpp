@@ -4,7 +4,10 @@
 #include <cmath>
 #include <string>
 
+#include "border_walls.h"
+#include "cap_surface.h"
 #include "columns.h"
+#include "holes.h"
 #include "mesoshell/error.h"
 #include "periodic_mesh.h"
 #include "repair.h"
@@ -18,6 +21,16 @@ namespace {
 std::string counted(std::size_t count, const std::string& thing, const std::string& verb_one, const std::string& verb_many)
 {
     return std::to_string(count) + " " + thing + (count == 1 ? " " + verb_one : "s " + verb_many);
+}
+
+// Of the faces before, which come first in what they became.
+std::size_t count_differing(const std::vector<glm::uvec3>& before, const std::vector<glm::uvec3>& after)
+{
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        count += before[i] != after[i] ? 1 : 0;
+    }
+    return count;
 }
 
 }  // namespace
@@ -43,10 +56,6 @@ void Sample::check_values(const SampleOptions& options) const
         throw InvalidArgument("the sheets' thickness is " + std::to_string(options.thickness) +
                               "; give zero or more, in tile widths");
     }
-    if (options.cap_cells < 4 || options.cap_cells > 1024) {
-        throw InvalidArgument("the grid that closes holes has " + std::to_string(options.cap_cells) +
-                              " cells a tile width; give 4 to 1024");
-    }
     if (input_positions_.empty() || input_triangles_.empty()) {
         throw InvalidArgument("the tile is empty; give it a mesh with at least one triangle");
     }
@@ -67,7 +76,7 @@ void Sample::check_values(const SampleOptions& options) const
         if (std::max(t.x, std::max(t.y, t.z)) >= input_positions_.size()) {
             throw InvalidArgument("triangle " + std::to_string(i) + " of the tile uses vertex " +
                                   std::to_string(std::max(t.x, std::max(t.y, t.z))) + ", but there are only " +
-                                  std::to_string(input_positions_.size()) + " vertices");
+                                  std::to_string(input_positions_.size()) + " vertices; remove it or export the mesh again");
         }
     }
 }
@@ -76,10 +85,10 @@ void Sample::repair(const SampleOptions& options)
 {
     PeriodicMesh mesh = weld(input_positions_, input_triangles_, aspect_);
     if (const std::size_t dropped = drop_degenerate(mesh); dropped > 0) {
-        notices_.push_back(counted(dropped, "face", "has", "have") + " no area and " + (dropped == 1 ? "was" : "were") + " left out.");
+        notices_.push_back(counted(dropped, "face", "has", "have") + " no area and " + (dropped == 1 ? "was" : "were") +
+                           " left out.");
     }
-    std::vector<bool> two_sided;
-    if (const std::size_t dropped = drop_duplicates(mesh, two_sided); dropped > 0) {
+    if (const std::size_t dropped = drop_duplicates(mesh); dropped > 0) {
         notices_.push_back(counted(dropped, "duplicate face", "was", "were") + " dropped.");
     }
     double area = 0.0;
@@ -89,35 +98,58 @@ void Sample::repair(const SampleOptions& options)
     if (!(area > 0.0)) {
         throw InvalidArgument("the tile's mesh has no area; give it a face whose corners do not lie on one line");
     }
+    if (options.thickness == 0.0f) {
+        if (const std::size_t gone = close_cracks(mesh); gone > 0) {
+            drop_degenerate(mesh);
+            drop_duplicates(mesh);
+            notices_.push_back(counted(gone, "corner", "was", "were") +
+                               " moved by up to a thousandth of a tile width to close cracks.");
+        }
+    }
     const std::vector<glm::uvec3> before = mesh.triangles;
     Components components = make_coherent(mesh);
+    std::size_t turned = count_differing(before, mesh.triangles);
+    std::size_t sheets = 0;
+    if (options.thickness > 0.0f) {
+        sheets = thicken(mesh, components, options.thickness);
+    }
+    if (sheets > 0) {
+        mesh = weld(std::move(mesh.positions), std::move(mesh.triangles), aspect_);
+        drop_degenerate(mesh);
+    }
+    const std::size_t walls = options.thickness == 0.0f ? add_border_walls(mesh) : 0;
+    if (walls > 0) {
+        notices_.push_back("The mesh does not fit its copies at " + counted(walls, "edge", "of", "of") +
+                           " the tile's border, where a wall was added.");
+    }
+    // What is open has a volume, and with it an outside, only when it is closed.
+    Caps caps = span_holes(mesh);
+    if (sheets > 0 || walls > 0 || caps.count > 0) {
+        components = make_coherent(mesh);
+    }
     turn_outward(mesh, components);
-    std::size_t turned = 0;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-        turned += before[i] != mesh.triangles[i] ? 1 : 0;
+    if (sheets == 0) {
+        turned = count_differing(before, mesh.triangles);
     }
     if (turned > 0) {
         notices_.push_back(counted(turned, "face", "was", "were") + " turned over, so that the outside is out.");
     }
-    if (options.thickness == 0.0f) {
-        if (const std::size_t dropped = drop_two_sided_sheets(mesh, components, two_sided); dropped > 0) {
-            notices_.push_back(counted(dropped, "face", "encloses", "enclose") + " nothing and " +
-                               (dropped == 1 ? "was" : "were") + " left out; give a thickness to keep sheets.");
-        }
-    } else {
-        if (const std::size_t sheets = thicken(mesh, components, options.thickness); sheets > 0) {
-            notices_.push_back(counted(sheets, "open part", "became a sheet", "became sheets") + " of the given thickness.");
-            mesh = weld(std::move(mesh.positions), std::move(mesh.triangles), aspect_);
-            drop_degenerate(mesh);
-        }
+    if (sheets > 0) {
+        notices_.push_back(counted(sheets, "open part", "became a sheet", "became sheets") + " of the given thickness.");
     }
-    const std::size_t open = count_open_edges(mesh);
-    integer_winding_ = open == 0;
-    if (!integer_winding_) {
-        throw InvalidArgument("the tile's mesh is open at " + std::to_string(open) +
-                              " edges; close it, so that it has an inside, or give a thickness");
+    if (const std::size_t dropped = leave_out_sheets(mesh, caps); dropped > 0) {
+        notices_.push_back(counted(dropped, "face", "encloses", "enclose") + " nothing and " +
+                           (dropped == 1 ? "was" : "were") + " left out; give a thickness to keep sheets.");
+    }
+    if (mesh.triangles.empty()) {
+        throw InvalidArgument("the tile's mesh is open and encloses nothing; give a thickness, or close it, so that it has "
+                              "an inside");
     }
     Job job;
+    if (caps.count > 0) {
+        join_caps(mesh, caps, shape_caps(mesh, caps, job));
+        notices_.push_back(counted(caps.count, "hole", "was", "were") + " closed.");
+    }
     winding_range_ = winding_range(mesh, job);
     positions_ = mesh.positions;
     triangles_ = mesh.triangles;

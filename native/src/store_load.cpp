@@ -17,10 +17,13 @@
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
+#include "exr_header.h"
 #include "mesoshell/store.h"
 #include "store_format.h"
+#include "store_read.h"
 
 namespace mesoshell {
 namespace store {
@@ -29,8 +32,8 @@ namespace {
 // A file that is being read. Every doubt about it ends with a sentence that names it.
 class Reader {
 public:
-    explicit Reader(const std::string& path)
-        : path_(path), file_(path.c_str(), 0), file_size_(std::filesystem::file_size(path))
+    Reader(const std::string& path, Imf::IStream& stream, std::uintmax_t size)
+        : path_(path), file_(stream, 0), file_size_(size)
     {
     }
 
@@ -267,6 +270,19 @@ private:
 };
 
 }  // namespace
+
+Map read_map(const std::string& path, Imf::IStream& stream, std::uintmax_t size)
+{
+    try {
+        if (const std::string doubt = doubt_about_headers(stream, size); !doubt.empty()) {
+            throw Error(path + " is not a usable map: " + doubt + "; bake it again");
+        }
+        return Reader(path, stream, size).read();
+    } catch (const Iex::BaseExc& problem) {
+        throw Error(path + " is not a usable map: " + problem.what() + "; bake it again");
+    }
+}
+
 }  // namespace store
 
 Map load_map(const std::string& path)
@@ -277,7 +293,9 @@ Map load_map(const std::string& path)
     }
     close(file);
     try {
-        return store::Reader(path).read();
+        const std::uintmax_t size = std::filesystem::file_size(path);
+        Imf::StdIFStream stream(path.c_str());
+        return store::read_map(path, stream, size);
     } catch (const Iex::BaseExc& problem) {
         throw Error(path + " is not a usable map: " + problem.what() + "; bake it again");
     } catch (const std::filesystem::filesystem_error& problem) {

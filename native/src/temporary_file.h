@@ -9,8 +9,9 @@
 
 namespace mesoshell {
 
-// What OpenEXR writes to, beside the target; removed unless it was kept. OpenEXR writes its last bytes in a destructor,
-// which cannot say that the disk is full, so the first failure of all is remembered here.
+// What OpenEXR writes to, beside the target; removed unless it was kept. A killed process leaves its file; the next save to
+// the same target removes it. OpenEXR writes its last bytes in a destructor, which cannot say that the disk is full, so the
+// first failure of all is remembered here.
 class TemporaryFile : public Imf::OStream {
 public:
     // Throws FileError with the target's path.

@@ -66,28 +66,19 @@ TEST(Sample, AspectThatIsNotPositive)
     }
 }
 
-TEST(Sample, OpenMesh)
+TEST(Sample, MissingWallOfSheetsIsMissed)
 {
-    Mesh mesh = ball;
-    mesh.triangles.erase(mesh.triangles.begin() + 7);
-    expect_refusal<InvalidArgument>([&] { mesh.sample(0.6f); }, {"open at 3 edges", "close it"});
-}
-
-TEST(Sample, OpenSheetsOfOneQuadAPeriod)
-{
-    // Every corner of such a sheet is the same point modulo the period; the missing wall must be missed all the same.
-    Mesh mesh = sawtooth(0.1f, 0.2f, 0.4f, 0.0f, 1.0f, 1, 1);
-    EXPECT_NO_THROW(mesh.sample(0.6f));
-    mesh.triangles.resize(mesh.triangles.size() - 2);
-    expect_refusal<InvalidArgument>([&] { mesh.sample(0.6f); }, {"open"});
-}
-
-TEST(Sample, OpenSheetsOfThreeQuadsAPeriod)
-{
-    Mesh mesh = sawtooth(0.1f, 0.2f, 0.4f, 0.0f, 1.0f);
-    EXPECT_NO_THROW(mesh.sample(0.6f));
-    mesh.triangles.resize(mesh.triangles.size() - 6);
-    expect_refusal<InvalidArgument>([&] { mesh.sample(0.6f); }, {"open at 6 edges"});
+    // Every corner of a sheet of one quad is the same point modulo the period; the wall that is missing is a hole all the same.
+    for (const int quads : {1, 3}) {
+        Mesh mesh = sawtooth(0.1f, 0.2f, 0.4f, 0.0f, 1.0f, quads, quads);
+        EXPECT_TRUE(mesh.sample(0.6f).notices().empty());
+        mesh.triangles.resize(mesh.triangles.size() - 2 * static_cast<std::size_t>(quads));
+        const Sample sample = mesh.sample(0.6f);
+        ASSERT_EQ(sample.notices().size(), 1u);
+        EXPECT_NE(sample.notices()[0].find("where a wall was added."), std::string::npos) << sample.notices()[0];
+        EXPECT_EQ(sample.triangles().size(), mesh.triangles.size() + 2 * static_cast<std::size_t>(quads));
+        EXPECT_TRUE(sample.winds_outward());
+    }
 }
 
 TEST(Sample, NothingInTheSlab)
@@ -115,14 +106,14 @@ TEST(Sample, MeshCutAtTheBorderIsClosedModuloThePeriods)
     const Sample sample = mesh.sample(0.6f, 0.5f);
     EXPECT_TRUE(sample.winds_outward());
     // Not with another period, for which the pieces do not fit.
-    expect_refusal<InvalidArgument>([&] { mesh.sample(0.6f, 0.7f); }, {"open"});
+    EXPECT_FALSE(mesh.sample(0.6f, 0.7f).notices().empty());
 }
 
 TEST(Sample, SheetsWithoutSideWallsAreClosedModuloThePeriods)
 {
     EXPECT_TRUE(slab(0.1f, 0.4f, 0.75f).sample(0.6f, 0.75f).winds_outward());
     EXPECT_TRUE(slab(0.1f, 0.4f, 0.75f, 1, 1).sample(0.6f, 0.75f).winds_outward());
-    expect_refusal<InvalidArgument>([] { slab(0.1f, 0.4f, 0.75f).sample(0.6f, 0.8f); }, {"open"});
+    EXPECT_FALSE(slab(0.1f, 0.4f, 0.75f).sample(0.6f, 0.8f).notices().empty());
 }
 
 TEST(Sample, ZeroAreaTrianglesDoNotOpenAMesh)

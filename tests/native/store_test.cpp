@@ -276,6 +276,7 @@ void check_full_disk(const Map& map)
                 save_map(map, path);
             } catch (const FileError& error) {
                 code = error.code;
+                EXPECT_EQ(error.path, path);
             }
         }
         EXPECT_EQ(code, EFBIG) << "a disk full after " << limit << " of " << size << " bytes";

@@ -70,6 +70,38 @@ double brute_force_winding(std::span<const glm::vec3> positions, std::span<const
     return sum / (4.0 * std::numbers::pi) + seen_from_above / (2.0 * aspect);
 }
 
+double balanced_winding(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles, float aspect,
+                        const glm::dvec3& point, int copies)
+{
+    // The mean over discs of radii from a quarter of the reach to the reach.
+    const double reach = copies * std::max(1.0, static_cast<double>(aspect));
+    constexpr int discs = 64;
+    double sum = 0.0;
+    for (const glm::uvec3& t : triangles) {
+        const glm::dvec3 a(positions[t.x]);
+        const glm::dvec3 b(positions[t.y]);
+        const glm::dvec3 c(positions[t.z]);
+        const glm::dvec3 center = (a + b + c) / 3.0 - point;
+        for (double j = std::ceil((-reach - center.y) / aspect); j <= std::floor((reach - center.y) / aspect); ++j) {
+            const double y = center.y + j * aspect;
+            const double across = std::sqrt(std::max(0.0, reach * reach - y * y));
+            for (double i = std::ceil(-across - center.x); i <= std::floor(across - center.x); ++i) {
+                const glm::dvec3 offset = glm::dvec3(i, j * aspect, 0.0) - point;
+                const double share = std::min(1.0, (1.0 - std::hypot(center.x + i, y) / reach) / 0.75);
+                sum += share * solid_angle(a + offset, b + offset, c + offset) / (4.0 * std::numbers::pi);
+            }
+        }
+        // Beyond a disc, the integral of z / r^3.
+        double beyond = 0.0;
+        for (int k = 0; k < discs; ++k) {
+            const double radius = reach * (0.25 + 0.75 * (k + 0.5) / discs);
+            beyond += center.z / std::sqrt(radius * radius + center.z * center.z) / discs;
+        }
+        sum += glm::cross(b - a, c - a).z * 0.5 * beyond / (2.0 * aspect);
+    }
+    return sum;
+}
+
 double brute_force_distance(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles, float aspect,
                             const glm::dvec3& point, int copies)
 {

@@ -13,6 +13,11 @@ namespace mesoshell {
 double brute_force_winding(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles, float aspect,
                            const glm::dvec3& point, int copies);
 
+// The same without a constant, far copies smeared into a plane: an infinite sheet that faces up has one half below and minus
+// one half above. From a quarter of `copies` periods on, copies fade into the plane.
+double balanced_winding(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles, float aspect,
+                        const glm::dvec3& point, int copies);
+
 // Distance to the nearest triangle or copy of one, for a mesh within `copies` periods.
 double brute_force_distance(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles, float aspect,
                             const glm::dvec3& point, int copies);

@@ -12,25 +12,24 @@
 namespace mesoshell {
 
 struct PeriodicMesh;
-class WindingField;
 
 struct SampleOptions {
-    // Tile widths, not negative. Open parts of the mesh become sheets of this thickness, half of it to either side; where it is
-    // zero, what they enclose is what the winding number says.
+    // Tile widths, not negative. Open parts of the mesh become sheets of this thickness, half of it to either side; where it
+    // is zero, they are solid where the winding number says so, and left out where that is nowhere; terrain that does not fit
+    // its copies gets walls at the borders.
     float thickness = 0.0f;
-    // At least 4: cells a tile width of the grid on which holes are closed.
-    int cap_cells = 64;
 };
 
 // Geometry is in metric texture space: lengths in tile widths, x with period 1, y with period `aspect`, the slab
-// 0 <= z <= height. The mesh may cross the side borders (every copy by whole periods is implied). What lies beyond the slab is
-// clipped, and the solid is capped there.
+// 0 <= z <= height. The mesh may cross the side borders (every copy by whole periods is implied). What lies beyond the slab
+// is clipped, and the solid is capped there.
 //
 // Any mesh will do that has an area and encloses something, be it by a sheet's thickness. Vertices at one place modulo the
 // periods are one; degenerate and duplicate faces are dropped; faces are turned over until neighbors agree and solids have
-// their outsides out. A point is inside where the generalized winding number of the result is at least one half, whatever its
-// sign (Jacobson et al. 2013, "Robust inside-outside segmentation using generalized winding numbers"). High above the tile it
-// is zero; under a surface that spans the tile and faces up it is one.
+// their outsides out. A point is inside where the generalized winding number of the result is at least one half, whatever
+// its sign (Jacobson et al. 2013, "Robust inside-outside segmentation using generalized winding numbers"): holes get caps
+// where it is one half, and the number of what is baked is whole. High above the tile it is zero; under a surface that spans
+// the tile and faces up it is one; where such a surface has holes, it is as far from either on both sides.
 class Sample {
 public:
     // positions: [n], at most 64 periods from the tile; triangles: [m] vertex indices, three a triangle; height and aspect:
@@ -42,7 +41,7 @@ public:
            const SampleOptions& options = {});
 
     // The surface of the solid, which rays meet and distances are taken to: repaired, capped, facing outward. Solids may
-    // overlap where `integer_winding`.
+    // overlap.
     const std::vector<glm::vec3>& positions() const { return positions_; }
     const std::vector<glm::uvec3>& triangles() const { return triangles_; }
     // The mesh as it was given.
@@ -54,13 +53,11 @@ public:
     // What was repaired, and what the user should know: whole sentences.
     const std::vector<std::string>& notices() const { return notices_; }
 
-    // Whether the repaired mesh is closed modulo the periods, so that winding numbers are whole.
-    bool integer_winding() const { return integer_winding_; }
-    // Whether, too, none of them is negative: then a ray from outside meets front faces first.
-    bool winds_outward() const { return integer_winding_ && winding_range_.x >= 0; }
+    // Whether no winding number is negative: then a ray from outside meets front faces first.
+    bool winds_outward() const { return winding_range_.x >= 0; }
     // Whether solids overlap: then `triangles` also has walls inside the solid.
-    bool overlaps() const { return integer_winding_ && (winding_range_.x < -1 || winding_range_.y > 1); }
-    // The repaired mesh, whose winding number says what is inside.
+    bool overlaps() const { return winding_range_.x < -1 || winding_range_.y > 1; }
+    // The repaired mesh, closed modulo the periods: its winding number, a whole one, says what is inside.
     const PeriodicMesh& winding_mesh() const { return *winding_mesh_; }
 
     // The mesh clipped to the slab, without caps.
@@ -87,7 +84,6 @@ private:
     std::vector<std::string> notices_;
     float height_;
     float aspect_;
-    bool integer_winding_ = false;
     glm::ivec2 winding_range_{0};
     std::size_t clipped_ = 0;
 };

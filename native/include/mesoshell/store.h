@@ -17,7 +17,8 @@
 namespace mesoshell {
 
 // Writes a temporary file beside `path`, flushes it and renames it: an interrupted or failed save leaves what was there.
-// Throws FileError; InvalidArgument for arrays that do not fit the map's numbers of nodes and terms.
+// What a killed one wrote (`path`.part-...) is removed by the next save to the same path. Throws FileError; InvalidArgument
+// for arrays that do not fit the map's numbers of nodes and terms.
 void save_map(const Map& map, const std::string& path);
 
 // Throws FileError where the file cannot be read, Error where it is truncated, damaged or no map.
