@@ -13,6 +13,8 @@ int main(int count, char** arguments)
             const std::string path = std::string(arguments[1]) + "/" + type + (with_sdf ? "_sdf.exr" : ".exr");
             mesoshell::save_map(mesoshell::small_map(precision, with_sdf), path);
         }
+        const char* const name = precision == mesoshell::Precision::half ? "/half_all.exr" : "/float_all.exr";
+        mesoshell::save_map(mesoshell::map_with_all_parts(precision), arguments[1] + std::string(name));
     }
     return 0;
 }
