@@ -1,5 +1,6 @@
 #include "mesoshell/render.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>

@@ -1,5 +1,6 @@
 #include "tile_space.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>

@@ -1,4 +1,5 @@
 // A thousand broken meshes: they bake to what a winding number by brute force says, or are refused in a sentence.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>

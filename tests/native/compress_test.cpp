@@ -1,4 +1,5 @@
 // The truncated SVD against Eigen's own: optimal, honest about its error, and what it rounds it says.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -1,6 +1,7 @@
 // Folders and files of the store's tests.
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>

@@ -1,4 +1,5 @@
 // Watching and stopping a long call from another thread.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>

@@ -1,6 +1,7 @@
 // Surfaces that span a polygon: its own edges and no others are open, and in a plane it has the polygon's area.
 #include "loop_triangulation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>

@@ -1,6 +1,7 @@
 // The fast winding number against the sum over all triangles and many copies.
 #include "winding_number.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "check.h"
