@@ -99,7 +99,7 @@ def show_sources(settings):
 
 def until_cancelled(progress):
     while progress(0.4):
-        time.sleep(0.01)
+        time.sleep(0.05)  # as often as the native module asks
 
 
 def run():
