@@ -13,7 +13,7 @@ namespace mesoshell {
 namespace {
 
 // Triangles of a tile up to which the slice engine is the faster one (docs/architecture.md, "What was measured").
-constexpr std::size_t most_triangles_of_slices = 300000;
+constexpr std::size_t most_triangles_of_slices = 600000;
 
 }  // namespace
 
