@@ -92,6 +92,7 @@ private:
         const double allowed = max_rmse * max_rmse;
         project(fewest_terms(allowed));
         while (map_.rmse > max_rmse) {
+            weights_begin_ = errors_begin_ = 1.0f;  // the progress never falls
             // Rounding costs nearly the same whatever the number of terms: leave room for it.
             const double rounding = static_cast<double>(map_.rmse) * map_.rmse - mean_square_left(map_.terms);
             if (map_.layout != Layout::share && (rounding >= allowed || map_.terms == columns_)) {

@@ -136,15 +136,16 @@ TEST(Measure, DistancesToAFloorAreKnown)
     EXPECT_NEAR(report.median, 0.3, 0.01);
     EXPECT_NEAR(report.largest, horizon_distance, 1e-3);
     EXPECT_NEAR(report.hits, 0.5, 0.01);
-    // Without a distance field: it says hit wherever more than a node and a half are left to the slab's end.
-    EXPECT_EQ(report.false_misses + report.false_hits > 0.0, true);
-    EXPECT_LE(report.false_hits, 1.0 - report.hits);
+    // Without a distance field it says hit where more than a node and a half, 3/8, are left to the slab's end. Upward that is
+    // 0.3 u / c > 3/8 for uniform u and c: 0.4 of half the rays. Downward z / c < 3/8 for z in [0.2, 0.5] is missed.
+    EXPECT_NEAR(report.false_hits, 0.2, 0.005);
+    EXPECT_NEAR(report.false_misses, 0.5 * (0.375 / 2.0 - 0.2 + 0.2 * 0.2 / 0.75) / 0.3, 0.005);
 }
 
 TEST(Measure, HitsOfAPerfectMapAreRight)
 {
-    // Two of three of the rays on a floor's map end within its distance field's tolerance, none elsewhere.
-    const Sample sample = slab(-0.1f, 0.2f).sample(0.5f);
+    // A floor between nodes: of the ten rays from the three nodes above it that point into the slab, six go down.
+    const Sample sample = slab(-0.1f, 0.22f).sample(0.5f);
     Job job;
     GdmResolution r;
     r.nodes = glm::ivec3(4, 4, 6);
@@ -159,7 +160,7 @@ TEST(Measure, HitsOfAPerfectMapAreRight)
     const ErrorReport report = measure(map, sample, RaySet::on_grid, count, 4, job);
     EXPECT_EQ(report.false_hits, 0.0);
     EXPECT_EQ(report.false_misses, 0.0);
-    EXPECT_NEAR(report.hits, 0.5, 0.15);
+    EXPECT_NEAR(report.hits, 0.6, 0.006);
 }
 
 TEST(Measure, SeedsAndThreads)
