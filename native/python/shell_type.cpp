@@ -107,10 +107,10 @@ PyObject* py_build_shell(PyObject* module, PyObject* args, PyObject* kwargs)
         }
         ShellOptions options;
         options.thickness = static_cast<float>(thickness);
-        options.levels = levels;
-        options.scheme = scheme_named(scheme);
+        options.refinement.levels = levels;
+        options.refinement.scheme = scheme_named(scheme);
         Job job;
-        return box(state.shell_type, run(job, nullptr, [&] { return build_shell(surface, options); }));
+        return box(state.shell_type, run(job, nullptr, [&] { return build_shell(surface, options, job); }));
     });
 }
 

@@ -11,6 +11,8 @@
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
 
+#include "vertex_normals.h"
+
 namespace mesoshell {
 namespace {
 
@@ -97,10 +99,40 @@ glm::vec3 unit_or_zero(const glm::vec3& v)
     return size > 0.0f && std::isfinite(size) ? v / size : glm::vec3(0.0f);
 }
 
+RefinedSurface unrefined(const Surface& surface)
+{
+    RefinedSurface same;
+    same.positions.assign(surface.positions.begin(), surface.positions.end());
+    same.face_sizes.assign(surface.face_sizes.begin(), surface.face_sizes.end());
+    same.corners.assign(surface.corners.begin(), surface.corners.end());
+    same.faces.resize(surface.face_sizes.size());
+    std::iota(same.faces.begin(), same.faces.end(), 0);
+    UvTopology uvs = share_uvs(surface);
+    same.uv_corners = std::move(uvs.indices);
+    same.uvs.reserve(uvs.values.size());
+    for (const Primvar<glm::vec2>& uv : uvs.values) {
+        same.uvs.push_back(uv.value);
+    }
+    if (surface.normals.empty()) {
+        same.normals = angle_weighted_normals(surface);
+    } else {
+        same.normals.reserve(surface.normals.size());
+        for (const glm::vec3& normal : surface.normals) {
+            same.normals.push_back(unit_or_zero(normal));
+        }
+    }
+    return same;
+}
+
 }  // namespace
 
-RefinedSurface refine(const Surface& surface, int levels, Scheme scheme)
+RefinedSurface refine(const Surface& surface, const Refinement& refinement)
 {
+    if (refinement.levels == 0) {
+        return unrefined(surface);
+    }
+    const int levels = refinement.levels;
+    const Scheme scheme = refinement.scheme;
     if (scheme == Scheme::loop && std::any_of(surface.face_sizes.begin(), surface.face_sizes.end(), [](int n) { return n != 3; })) {
         throw Error("the Loop scheme needs triangles; triangulate the surface or use catmark");
     }
@@ -137,15 +169,22 @@ RefinedSurface refine(const Surface& surface, int levels, Scheme scheme)
         refined.positions[i] = limit[i].value;
         refined.normals[i] = unit_or_zero(glm::cross(tangent_1[i].value, tangent_2[i].value));
     }
+    refined.uvs.reserve(limit_uvs.size());
+    for (const Primvar<glm::vec2>& uv : limit_uvs) {
+        refined.uvs.push_back(uv.value);
+    }
     const Far::TopologyLevel& last = refiner->GetLevel(levels);
     for (int face = 0; face < last.GetNumFaces(); ++face) {
         const Far::ConstIndexArray vertices = last.GetFaceVertices(face);
         const Far::ConstIndexArray values = last.GetFaceFVarValues(face, 0);
         refined.face_sizes.push_back(vertices.size());
-        for (int corner = 0; corner < vertices.size(); ++corner) {
-            refined.corners.push_back(vertices[corner]);
-            refined.uvs.push_back(limit_uvs[values[corner]].value);
+        refined.corners.insert(refined.corners.end(), vertices.begin(), vertices.end());
+        refined.uv_corners.insert(refined.uv_corners.end(), values.begin(), values.end());
+        int origin = face;
+        for (int level = levels; level > 0; --level) {
+            origin = refiner->GetLevel(level).GetFaceParentFace(origin);
         }
+        refined.faces.push_back(origin);
     }
     return refined;
 }

@@ -1,7 +1,9 @@
 // The one home of OpenSubdiv: a mesh refined to a level, with limit positions and limit normals.
 #pragma once
 
-#include "mesoshell/shell.h"
+#include <vector>
+
+#include "mesoshell/surface.h"
 
 namespace mesoshell {
 
@@ -9,12 +11,14 @@ struct RefinedSurface {
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;  // unit length; zero where the surface has none
     std::vector<std::int32_t> face_sizes;
-    std::vector<std::int32_t> corners;
-    std::vector<glm::vec2> uvs;  // one a corner
+    std::vector<std::int32_t> corners;     // vertices
+    std::vector<std::int32_t> uv_corners;  // one a corner: an entry of uvs; corners of a vertex with equal UVs share one
+    std::vector<glm::vec2> uvs;
+    std::vector<std::int32_t> faces;  // one a face: the face of the surface it comes from
 };
 
-// levels at least 1. UVs interpolate smoothly inside an island and linearly along its boundary, as Blender does by default.
-RefinedSurface refine(const Surface& surface, int levels, Scheme scheme);
+// At level 0 the mesh as it is, with its own normals; else positions and normals of the limit surface.
+RefinedSurface refine(const Surface& surface, const Refinement& refinement);
 
 // The address of an OpenSubdiv function, as this code calls it.
 const void* opensubdiv_function();

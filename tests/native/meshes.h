@@ -49,13 +49,13 @@ struct SurfaceMesh {
     std::vector<glm::vec2> uvs;
     std::vector<glm::vec3> normals;
 
-    Surface surface() const { return {positions, face_sizes, corners, uvs, normals}; }
+    Surface surface() const { return {positions, face_sizes, corners, uvs, normals, {}, {}, {}, {}}; }
     Shell shell(float thickness, int levels = 0, Scheme scheme = Scheme::catmark) const
     {
         ShellOptions options;
         options.thickness = thickness;
-        options.levels = levels;
-        options.scheme = scheme;
+        options.refinement.levels = levels;
+        options.refinement.scheme = scheme;
         return build_shell(surface(), options);
     }
 };

@@ -3,30 +3,19 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
+#include <memory>
 #include <vector>
 
 #include <glm/glm.hpp>
 
-#include "mesoshell/error.h"
+#include "mesoshell/job.h"
+#include "mesoshell/surface.h"
 
 namespace mesoshell {
 
-enum class Scheme { catmark, loop, bilinear };
-
-// A polygon mesh as a host hands it over. Faces of any size; `corners` lists the vertices of each face in turn.
-struct Surface {
-    std::span<const glm::vec3> positions;
-    std::span<const std::int32_t> face_sizes;
-    std::span<const std::int32_t> corners;
-    std::span<const glm::vec2> uvs;      // one a corner, in tiles
-    std::span<const glm::vec3> normals;  // one a vertex, used at level 0; computed where empty
-};
-
 struct ShellOptions {
+    Refinement refinement;
     float thickness = 0.1f;  // object units, positive
-    int levels = 0;          // 0 to 8 levels of subdivision
-    Scheme scheme = Scheme::catmark;
 };
 
 // One row of the prism table: eight texels (docs/architecture.md).
@@ -37,11 +26,38 @@ static_assert(sizeof(PrismTexels) == 128);
 // The two triangles of a fin use the diagonal that bulges outward, so that the hull holds the bilinear fin.
 using PrismIndices = std::array<std::uint32_t, 24>;
 
+// What stays while a surface moves: which vertices and which UVs the prisms have.
+struct ShellTopology {
+    std::vector<glm::uvec3> triangles;     // one a prism: vertices, counterclockwise seen from outside
+    std::vector<glm::uvec3> uv_triangles;  // one a prism: entries of `uvs`, two of which are one where a vertex has equal UVs
+    std::vector<glm::vec2> uvs;            // tiles, at the base
+    std::vector<std::int32_t> faces;       // one a prism: the face of the surface it comes from
+};
+
 struct Shell {
+    std::shared_ptr<const ShellTopology> topology;
+    // One a vertex, shared by all prisms around it, so that a fin is the same from both sides.
+    std::vector<glm::vec3> positions;  // on the surface, object space
+    std::vector<glm::vec3> directors;  // unit length; zero where no prism has the vertex
+    std::vector<float> thickness;      // object units, from base to top along the director
+    std::vector<glm::vec2> top_uvs;    // one an entry of topology->uvs; empty where they are those of the base
+    // The base lies at position + shift * thickness * director, the top one thickness above it: 0 outward, -1 inward.
+    float shift = 0.0f;
+
+    // The same as the draw program reads it (shell_table.h makes these).
     std::vector<PrismTexels> prisms;
     std::vector<PrismIndices> indices;
     glm::vec3 lower{0.0f};
     glm::vec3 upper{0.0f};
+
+    glm::vec3 base(std::uint32_t vertex) const
+    {
+        return positions[vertex] + directors[vertex] * (shift * thickness[vertex]);
+    }
+    glm::vec3 top(std::uint32_t vertex) const
+    {
+        return positions[vertex] + directors[vertex] * ((shift + 1.0f) * thickness[vertex]);
+    }
 };
 
 // Prisms of one shell, at most: what the draw program's prism table holds.
@@ -50,6 +66,11 @@ constexpr std::int64_t most_prisms = std::int64_t(1) << 22;
 // Limit positions and normals where levels > 0, the mesh's own vertices and normals at level 0.
 // Throws InvalidArgument for values that are not finite, indices or sizes out of range, missing UVs, a thickness that is not
 // positive, more prisms than most_prisms; Error for a mesh that cannot be subdivided, or a face of more than four corners at level 0.
-Shell build_shell(const Surface& surface, const ShellOptions& options);
+Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job);
+inline Shell build_shell(const Surface& surface, const ShellOptions& options)
+{
+    Job job;
+    return build_shell(surface, options, job);
+}
 
 }  // namespace mesoshell

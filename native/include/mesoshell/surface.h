@@ -1,0 +1,42 @@
+// The surface a shell lies on: a polygon mesh as a host hands it over, and how it is to be refined.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <glm/glm.hpp>
+
+#include "mesoshell/error.h"
+
+namespace mesoshell {
+
+// Faces of any size; `corners` lists the vertices of each face in turn.
+struct Surface {
+    std::span<const glm::vec3> positions;     // object space
+    std::span<const std::int32_t> face_sizes;
+    std::span<const std::int32_t> corners;
+    std::span<const glm::vec2> uvs;           // one a corner
+    std::span<const glm::vec3> normals;       // one a vertex, used at level 0; computed where empty
+    // Sharpness as OpenSubdiv has it: 0 smooth, 10 and more infinitely sharp.
+    std::span<const glm::ivec2> crease_edges;  // two vertices each
+    std::span<const float> crease_sharpness;
+    std::span<const std::int32_t> corner_vertices;
+    std::span<const float> corner_sharpness;
+};
+
+enum class Scheme { catmark, loop, bilinear };
+
+// What keeps its place where the surface ends: edges follow a curve of their own, corners of one face may be sharp.
+enum class Boundary { edges_and_corners, edges };
+
+// Where UVs stay linear (OpenSubdiv's face-varying rules, from all smooth to all linear).
+enum class UvRule { smooth, corners, corners_and_junctions, corners_junctions_and_concave, boundaries, linear };
+
+struct Refinement {
+    int levels = 0;  // 0 to 8; 0 keeps the mesh
+    Scheme scheme = Scheme::catmark;
+    Boundary boundary = Boundary::edges_and_corners;
+    UvRule uv_rule = UvRule::boundaries;
+};
+
+}  // namespace mesoshell

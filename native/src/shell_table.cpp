@@ -1,0 +1,87 @@
+#include "shell_table.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "parallel.h"
+
+namespace mesoshell {
+namespace {
+
+constexpr int prisms_per_task = 4096;
+
+PrismIndices hull_indices(const PrismTexels& texels, std::uint32_t prism)
+{
+    const auto corner = [&](int i) { return glm::vec3(texels[i]); };
+    std::array<std::uint32_t, 24> local{0, 2, 1, 3, 4, 5};
+    std::size_t used = 6;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        const std::uint32_t j = (i + 1) % 3;
+        const glm::vec3 outward = glm::cross(corner(j) - corner(i), corner(j + 3) - corner(i));
+        const bool rising = glm::dot(outward, corner(i + 3) - corner(i)) <= 0.0f;
+        const std::array<std::uint32_t, 6> fin = rising ? std::array<std::uint32_t, 6>{i, j, j + 3, i, j + 3, i + 3}
+                                                        : std::array<std::uint32_t, 6>{i, j, i + 3, j, j + 3, i + 3};
+        for (const std::uint32_t index : fin) {
+            local[used++] = index;
+        }
+    }
+    for (std::uint32_t& index : local) {
+        index += 6 * prism;
+    }
+    return local;
+}
+
+PrismTexels texels_of(const Shell& shell, std::size_t prism)
+{
+    const glm::uvec3& vertices = shell.topology->triangles[prism];
+    const glm::uvec3& uvs = shell.topology->uv_triangles[prism];
+    const std::vector<glm::vec2>& uvs_base = shell.topology->uvs;
+    const std::vector<glm::vec2>& uvs_top = shell.top_uvs.empty() ? uvs_base : shell.top_uvs;
+    PrismTexels texels{};
+    for (int i = 0; i < 3; ++i) {
+        const glm::vec2 low = uvs_base[uvs[i]];
+        const glm::vec2 high = uvs_top[uvs[i]];
+        texels[i] = glm::vec4(shell.base(vertices[i]), low.x);
+        texels[i + 3] = glm::vec4(shell.top(vertices[i]), high.x);
+        texels[6 + i / 4][i % 4] = low.y;
+        texels[6 + (i + 3) / 4][(i + 3) % 4] = high.y;
+    }
+    return texels;
+}
+
+}  // namespace
+
+void make_table(Shell& shell, Job& job)
+{
+    const std::size_t count = shell.topology->triangles.size();
+    const int tasks = static_cast<int>((count + prisms_per_task - 1) / prisms_per_task);
+    shell.prisms.resize(count);
+    shell.indices.resize(count);
+    struct Bounds {
+        glm::vec3 lower{std::numeric_limits<float>::max()};
+        glm::vec3 upper{std::numeric_limits<float>::lowest()};
+    };
+    std::vector<Bounds> bounds(static_cast<std::size_t>(tasks));
+    parallel_for(job, tasks, [&](int task) {
+        Bounds& box = bounds[static_cast<std::size_t>(task)];
+        const std::size_t first = static_cast<std::size_t>(task) * prisms_per_task;
+        for (std::size_t p = first; p < std::min(count, first + prisms_per_task); ++p) {
+            const PrismTexels texels = texels_of(shell, p);
+            for (int corner = 0; corner < 6; ++corner) {
+                box.lower = glm::min(box.lower, glm::vec3(texels[corner]));
+                box.upper = glm::max(box.upper, glm::vec3(texels[corner]));
+            }
+            shell.prisms[p] = texels;
+            shell.indices[p] = hull_indices(texels, static_cast<std::uint32_t>(p));
+        }
+    }, 0.0f);
+    Bounds all;
+    for (const Bounds& box : bounds) {
+        all.lower = glm::min(all.lower, box.lower);
+        all.upper = glm::max(all.upper, box.upper);
+    }
+    shell.lower = all.lower;
+    shell.upper = all.upper;
+}
+
+}  // namespace mesoshell
