@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -13,9 +14,30 @@
 
 namespace mesoshell {
 
+// Factors of the thickness, sampled bilinearly and repeating at UVs before they are placed.
+struct FactorImage {
+    std::span<const float> values;  // [height, width], row 0 at v = 0
+    glm::ivec2 size{0};             // width, height
+};
+
+// Tiles from UVs: scaled, then turned counterclockwise, then moved.
+struct Placement {
+    glm::vec2 scale{1.0f};
+    float rotation = 0.0f;  // radians
+    glm::vec2 offset{0.0f};
+};
+
 struct ShellOptions {
     Refinement refinement;
-    float thickness = 0.1f;  // object units, positive
+    float thickness = 0.1f;                      // object units, positive
+    std::span<const float> thickness_factors;    // one a vertex of the surface, 0 to 1; empty: all 1
+    FactorImage thickness_image;                 // no values: all 1
+    float shift = 0.0f;                          // 0 outward, -1/2 centered, -1 inward
+    int director_smoothing = 0;                  // steps, 0 to 100
+    std::span<const std::uint8_t> covered;       // one a face of the surface: 0 has no prisms; empty: all have
+    Placement placement;
+    bool repair = false;   // reduce the thickness where prisms fold
+    int relax_steps = 0;   // 0 to 100: move the UVs of the top to reduce stretch
 };
 
 // One row of the prism table: eight texels (docs/architecture.md).

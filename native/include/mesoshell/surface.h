@@ -33,10 +33,15 @@ enum class Boundary { edges_and_corners, edges };
 enum class UvRule { smooth, corners, corners_and_junctions, corners_junctions_and_concave, boundaries, linear };
 
 struct Refinement {
-    int levels = 0;  // 0 to 8; 0 keeps the mesh
+    int levels = 0;  // 0 to 8; 0 keeps the mesh. With an edge length or pixels it is the most a face may be split
     Scheme scheme = Scheme::catmark;
     Boundary boundary = Boundary::edges_and_corners;
     UvRule uv_rule = UvRule::boundaries;
+    // Adaptive where positive: each edge of a face is split until its parts are at most this long.
+    float edge_length = 0.0f;  // object units
+    float edge_pixels = 0.0f;  // on the screen of `clip_from_object`
+    glm::dmat4 clip_from_object{1.0};
+    glm::ivec2 screen{0};  // pixels
 };
 
 }  // namespace mesoshell

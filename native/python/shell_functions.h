@@ -1,0 +1,10 @@
+// What makes and asks shells.
+#pragma once
+
+#include "state.h"
+
+namespace mesoshell::python {
+
+extern PyMethodDef shell_functions[];
+
+}  // namespace mesoshell::python
