@@ -3,6 +3,7 @@
 #include <string>
 
 #include "limit_surface.h"
+#include "mesoshell/folds.h"
 #include "shell_table.h"
 #include "surface_check.h"
 
@@ -85,6 +86,9 @@ Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
     shell.positions = std::move(refined.positions);
     shell.directors = std::move(refined.normals);
     shell.thickness.assign(shell.positions.size(), options.thickness);
+    if (options.repair) {
+        repair_folds(shell, job);
+    }
     make_table(shell, job);
     return shell;
 }
