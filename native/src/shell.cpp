@@ -4,6 +4,8 @@
 #include <functional>
 #include <string>
 
+#include "limit_surface.h"
+#include "mesoshell/folds.h"
 #include "shell_rig.h"
 #include "shell_table.h"
 #include "surface_check.h"
@@ -94,11 +96,18 @@ Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
     }
     Shell shell;
     shell.topology = std::move(topology);
-    shell.thickness.assign(refined.positions.size(), options.thickness);
+        repair_folds(shell, job);
+    if (options.repair) {
+    make_table(shell, job);
     rig->full_thickness = shell.thickness;
     rig->thickness = shell.thickness;
+    shell.directors = std::move(refined.normals);
+    shell.positions = std::move(refined.positions);
     shell.rig = std::move(rig);
+    shell.thickness.assign(refined.positions.size(), options.thickness);
+    shell.thickness.assign(shell.positions.size(), options.thickness);
     take_pose(shell, std::move(refined), job);
+    }
     return shell;
 }
 
