@@ -1,4 +1,4 @@
-"""Makes the sample scenes: chain_torus.blend and tiles.blend.
+"""Makes the sample scenes: chain_torus.blend, lizard.blend and tiles.blend.
 
     blender --background --factory-startup --python blend_samples/make_samples.py -- [--out DIR] [--detail N]
 
@@ -15,10 +15,11 @@ import bpy
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))  # Blender runs a script without its folder on the path
 import chain_torus_scene  # noqa: E402
+import lizard_scene  # noqa: E402
 import tiles_scene  # noqa: E402
 from scene_parts import save  # noqa: E402
 
-SCENES = {"chain_torus.blend": chain_torus_scene, "tiles.blend": tiles_scene}
+SCENES = {"chain_torus.blend": chain_torus_scene, "lizard.blend": lizard_scene, "tiles.blend": tiles_scene}
 
 
 def main(arguments):

@@ -1,4 +1,4 @@
-// build_shell: its many arguments, held while it runs.
+// build_shell and update_shell: their many arguments, held while they run.
 #include "shell_functions.h"
 
 #include <optional>
@@ -139,6 +139,26 @@ PyObject* py_build_shell(PyObject* module, PyObject* args, PyObject* kwargs)
     });
 }
 
+PyObject* py_update_shell(PyObject* module, PyObject* args, PyObject* kwargs)
+{
+    ModuleState& state = state_of_module(module);
+    return guarded(state, [&]() -> PyObject* {
+        static const char* names[] = {"shell", "positions", "normals", "thickness_factors", "threads", "progress", nullptr};
+        PyObject *shell = nullptr, *positions = nullptr, *normals = Py_None, *factors = Py_None, *progress = Py_None;
+        int threads = 0;
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!O|$OOiO:update_shell", const_cast<char**>(names), state.shell_type, &shell,
+                                         &positions, &normals, &factors, &threads, &progress)) {
+            return nullptr;
+        }
+        const ArrayArgument<float> position_array(state, positions, "positions", 3);
+        const OptionalArray<float> normal_array(state, normals, "normals", 3);
+        const OptionalArray<float> factor_array(state, factors, "thickness_factors", 0);
+        const Pose pose{position_array.rows<glm::vec3>(), normal_array.rows<glm::vec3>(), factor_array.values()};
+        Job job(threads);
+        return box(state.shell_type, run(job, progress, [&] { return update_shell(*unbox<Shell>(shell), pose, job); }));
+    });
+}
+
 }  // namespace
 
 PyMethodDef shell_functions[] = {
@@ -151,6 +171,11 @@ PyMethodDef shell_functions[] = {
      "uv_offset=(0, 0), repair=False, relax=0, threads=0, progress=None)\n--\n\n"
      "Prisms over a polygon mesh: positions [n, 3], face_sizes [f], corners [c], uvs [c, 2], thickness in object units. Raises "
      "ValueError, or Error for a mesh that cannot carry a shell."},
+    {"update_shell", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_update_shell)), METH_VARARGS | METH_KEYWORDS,
+     "update_shell(shell, positions, *, normals=None, thickness_factors=None, threads=0, progress=None)\n--\n\n"
+     "The same shell where the vertices of its surface have moved to positions [n, 3]: topology, UVs and options stay. Normals "
+     "[n, 3] are used at level 0 and computed without. Raises ValueError for counts that do not fit, or Error where a vertex has "
+     "no normal."},
     {nullptr, nullptr, 0, nullptr},
 };
 

@@ -42,6 +42,8 @@ PyGetSetDef shell_attributes[] = {
      "float32 [n, 3], vertices on the surface, object space", nullptr},
     {"directors", [](PyObject* self, void*) { return rows(self, self_of(self).directors, 'f', {3}); }, nullptr,
      "float32 [n, 3], one a vertex, unit length; zero where no prism has it", nullptr},
+    {"tangents", [](PyObject* self, void*) { return rows(self, self_of(self).tangents, 'f', {2, 3}); }, nullptr,
+     "float32 [n, 2, 3], two directions in the limit surface's tangent plane, of any length; [0, 2, 3] at level 0", nullptr},
     {"thickness", [](PyObject* self, void*) { return rows(self, self_of(self).thickness, 'f', {}); }, nullptr,
      "float32 [n], one a vertex, object units", nullptr},
     {"triangles", [](PyObject* self, void*) { return rows(self, self_of(self).topology->triangles, 'I', {3}); }, nullptr,

@@ -75,6 +75,7 @@ int add_shell(PyObject* module);
 int add_render(PyObject* module);
 int add_volume(PyObject* module);
 int add_attributes(PyObject* module);
+int add_folds(PyObject* module);
 
 // Makes a heap type, stores it in `slot` and in the module under the last part of its name.
 int add_type(PyObject* module, PyType_Spec& spec, PyTypeObject*& slot);

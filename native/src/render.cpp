@@ -252,4 +252,33 @@ glm::vec3 prism_position(const PrismTexels& prism, const glm::vec3& q)
     return shader::prism_position(shader::prism_of(prism), q);
 }
 
+glm::vec3 prism_texture(const PrismTexels& prism, const glm::vec3& q)
+{
+    return shader::prism_texture(shader::prism_of(prism), q);
+}
+
+std::optional<glm::vec3> place_of_position(const PrismTexels& prism, const glm::vec3& pos_object)
+{
+    const shader::PrismPlace place = shader::place_of_position(shader::prism_of(prism), pos_object);
+    return place.found ? std::optional(place.q) : std::nullopt;
+}
+
+std::optional<glm::vec3> place_of_texture(const PrismTexels& prism, const glm::vec3& pos_texture)
+{
+    const shader::PrismPlace place = shader::place_of_texture(shader::prism_of(prism), pos_texture);
+    return place.found ? std::optional(place.q) : std::nullopt;
+}
+
+std::optional<glm::vec3> texture_of_position(const PrismTexels& prism, const glm::vec3& pos_object)
+{
+    const shader::PrismPoint point = shader::prism_texture_of_position(shader::prism_of(prism), pos_object);
+    return point.found ? std::optional(point.point) : std::nullopt;
+}
+
+std::optional<glm::vec3> position_of_texture(const PrismTexels& prism, const glm::vec3& pos_texture)
+{
+    const shader::PrismPoint point = shader::prism_position_of_texture(shader::prism_of(prism), pos_texture);
+    return point.found ? std::optional(point.point) : std::nullopt;
+}
+
 }  // namespace mesoshell

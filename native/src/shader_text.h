@@ -63,7 +63,11 @@ inline float trilinear(const float* values, int nx, int ny, const Bracket& x, co
 
 using namespace glm;  // NOLINT: the shader text speaks GLSL
 
+// GLSL may rearrange sums unless told otherwise; C++ never does.
+#define precise
 #include "../../shaders/lib/pixel.glsl"
+#include "../../shaders/lib/prism_inverse.glsl"
+#undef precise
 
 inline Prism prism_of(const PrismTexels& t)
 {

@@ -1,8 +1,10 @@
 #include "mesoshell/shell.h"
 
+#include <algorithm>
+#include <functional>
 #include <string>
 
-#include "limit_surface.h"
+#include "shell_rig.h"
 #include "shell_table.h"
 #include "surface_check.h"
 
@@ -69,24 +71,53 @@ void check_normals(const ShellTopology& topology, const std::vector<glm::vec3>& 
     }
 }
 
+// What depends on positions, in a build and in an update alike.
+void take_pose(Shell& shell, LimitPoints points, Job& job)
+{
+    check_normals(*shell.topology, points.normals);
+    shell.positions = std::move(points.positions);
+    shell.directors = std::move(points.normals);
+    shell.tangents = std::move(points.tangents);
+    make_table(shell, job);
+}
+
 }  // namespace
 
 Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
 {
     check_surface(surface, options);
-    RefinedSurface refined = refine(surface, options.refinement);
+    auto rig = std::make_shared<ShellRig>(surface, options, job);
+    RefinedSurface refined{rig->limit.take_topology(), rig->limit.evaluate(surface.positions, surface.normals, job)};
     auto topology = std::make_shared<const ShellTopology>(Triangulation(refined).run());
     if (topology->triangles.empty()) {
         throw Error("every face of the surface has zero area; choose a mesh with visible faces");
     }
-    check_normals(*topology, refined.normals);
     Shell shell;
     shell.topology = std::move(topology);
-    shell.positions = std::move(refined.positions);
-    shell.directors = std::move(refined.normals);
-    shell.thickness.assign(shell.positions.size(), options.thickness);
-    make_table(shell, job);
+    shell.thickness.assign(refined.positions.size(), options.thickness);
+    rig->full_thickness = shell.thickness;
+    rig->thickness = shell.thickness;
+    shell.rig = std::move(rig);
+    take_pose(shell, std::move(refined), job);
     return shell;
+}
+
+Shell update_shell(const Shell& shell, const Pose& pose, Job& job)
+{
+    const ShellRig& rig = *shell.rig;
+    check_pose(pose, rig.limit.vertices());
+    Shell moved;
+    moved.topology = shell.topology;
+    moved.rig = shell.rig;
+    moved.shift = shell.shift;
+    moved.thickness = rig.thickness;
+    if (!pose.thickness_factors.empty()) {
+        moved.thickness = rig.limit.interpolate(pose.thickness_factors, job);
+        std::transform(rig.full_thickness.begin(), rig.full_thickness.end(), moved.thickness.begin(), moved.thickness.begin(),
+                       std::multiplies<>());
+    }
+    take_pose(moved, rig.limit.evaluate(pose.positions, pose.normals, job), job);
+    return moved;
 }
 
 }  // namespace mesoshell

@@ -61,7 +61,7 @@ def made_samples(tmp_path_factory):
         [bpy.app.binary_path, "--background", "--factory-startup", "--python-exit-code", "1",
          "--python", str(SAMPLES / "make_samples.py"), "--", "--out", str(folder)],
         check=True, timeout=240)
-    assert sorted(path.name for path in folder.iterdir()) == ["chain_torus.blend", "tiles.blend"]
+    assert sorted(path.name for path in folder.iterdir()) == ["chain_torus.blend", "lizard.blend", "tiles.blend"]
     return folder
 
 

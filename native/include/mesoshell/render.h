@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -58,7 +59,17 @@ struct PrismSpan {
 };
 std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& origin, const glm::vec3& dir, float t_near);
 
-// The forward map of a prism at prism coordinates, as the shader text computes it.
+// The maps of a prism as the shader text computes them. Prism coordinates: weights of corners 1 and 2, and height.
 glm::vec3 prism_position(const PrismTexels& prism, const glm::vec3& q);
+glm::vec3 prism_texture(const PrismTexels& prism, const glm::vec3& q);
+
+// Their inverses: prism coordinates, 1e-5 exact for prisms that do not fold; nothing for a point outside the prism by more
+// than roundings of its coordinates, or where its texture triangle has no area.
+std::optional<glm::vec3> place_of_position(const PrismTexels& prism, const glm::vec3& pos_object);
+std::optional<glm::vec3> place_of_texture(const PrismTexels& prism, const glm::vec3& pos_texture);
+
+// From object space to texture space and back.
+std::optional<glm::vec3> texture_of_position(const PrismTexels& prism, const glm::vec3& pos_object);
+std::optional<glm::vec3> position_of_texture(const PrismTexels& prism, const glm::vec3& pos_texture);
 
 }  // namespace mesoshell

@@ -56,12 +56,19 @@ struct ShellTopology {
     std::vector<std::int32_t> faces;       // one a prism: the face of the surface it comes from
 };
 
+// What an update computes a shell from, beside positions (src/shell_rig.h).
+struct ShellRig;
+
 struct Shell {
     std::shared_ptr<const ShellTopology> topology;
+    std::shared_ptr<const ShellRig> rig;
     // One a vertex, shared by all prisms around it, so that a fin is the same from both sides.
     std::vector<glm::vec3> positions;  // on the surface, object space
     std::vector<glm::vec3> directors;  // unit length; zero where no prism has the vertex
     std::vector<float> thickness;      // object units, from base to top along the director
+    // Two directions in the limit surface's tangent plane, of any length; empty at level 0, where there is no limit. Where the
+    // surface has several tangent planes, as on a crease, two unit vectors perpendicular to its normal.
+    std::vector<glm::mat2x3> tangents;
     std::vector<glm::vec2> top_uvs;    // one an entry of topology->uvs; empty where they are those of the base
     // The base lies at position + shift * thickness * director, the top one thickness above it: 0 outward, -1 inward.
     float shift = 0.0f;
@@ -93,6 +100,23 @@ inline Shell build_shell(const Surface& surface, const ShellOptions& options)
 {
     Job job;
     return build_shell(surface, options, job);
+}
+
+// What changes from frame to frame.
+struct Pose {
+    std::span<const glm::vec3> positions;      // one a vertex of the surface
+    std::span<const glm::vec3> normals;        // one a vertex, used at level 0; computed where empty
+    std::span<const float> thickness_factors;  // one a vertex, 0 to 1; empty: the thickness stays
+};
+
+// The same shell over the same surface elsewhere: topology, UVs and options stay, and so do the diagonals of quads and the choice
+// of faces that have an area. Positions, directors and tangents are, bit by bit, those of a shell built there. Throws
+// InvalidArgument for counts that do not fit and values that are not finite; Error where a vertex has no normal.
+Shell update_shell(const Shell& shell, const Pose& pose, Job& job);
+inline Shell update_shell(const Shell& shell, const Pose& pose)
+{
+    Job job;
+    return update_shell(shell, pose, job);
 }
 
 }  // namespace mesoshell

@@ -1,0 +1,267 @@
+// Uniform refinement: every face split alike, level by level, and what OpenSubdiv's limit masks say of the last level.
+#include "limit_masks.h"
+#include "limit_refiner.h"
+
+#include <utility>
+
+#include <opensubdiv/far/primvarRefiner.h>
+
+namespace mesoshell {
+namespace {
+
+namespace Far = OpenSubdiv::Far;
+namespace Sdc = OpenSubdiv::Sdc;
+
+// OpenSubdiv refines whatever has Clear and AddWithWeight. These write down what they are asked instead of summing it.
+struct Point {
+    std::uint32_t index;
+};
+struct SourcePoints {
+    std::uint32_t first;
+    Point operator[](int i) const { return {first + static_cast<std::uint32_t>(i)}; }
+};
+
+// Points of one level, whose rows are asked for in ascending order.
+class RefinedPoints {
+public:
+    RefinedPoints(MaskRows<float>& rows, std::uint32_t first) : rows_(rows), first_(first) {}
+
+    struct Writer : Point {
+        RefinedPoints* owner;
+        void Clear() { owner->begin_row(); }
+        void AddWithWeight(const Point& source, float weight) { owner->rows_.add(source.index, weight); }
+    };
+    Writer operator[](int i) { return {{first_ + static_cast<std::uint32_t>(i)}, this}; }
+    void finish()
+    {
+        if (begun_) {
+            rows_.end_row();
+        }
+    }
+
+private:
+    void begin_row()
+    {
+        finish();
+        begun_ = true;
+    }
+    MaskRows<float>& rows_;
+    std::uint32_t first_;
+    bool begun_ = false;
+};
+
+// One of the three masks of a limit point; the owner gathers them.
+class LimitRecord {
+public:
+    struct Entry {
+        std::uint32_t index;
+        float weight;
+    };
+    struct Writer {
+        LimitRecord* owner;
+        void Clear();
+        void AddWithWeight(const Point& source, float weight) { owner->entries.push_back({source.index, weight}); }
+    };
+    Writer operator[](int) { return {this}; }
+
+    std::vector<Entry> entries;
+    class LimitRows* rows = nullptr;
+    bool begins = false;  // its Clear is the first of a point's
+};
+
+class LimitRows {
+public:
+    explicit LimitRows(MaskRows<LimitWeights>& rows) : rows_(rows)
+    {
+        position.rows = tangent_1.rows = tangent_2.rows = this;
+        position.begins = true;
+    }
+    LimitRecord position, tangent_1, tangent_2;
+
+    void finish()
+    {
+        if (!begun_) {
+            return;
+        }
+        const bool together = position.entries.size() == tangent_1.entries.size() &&
+                              std::equal(position.entries.begin(), position.entries.end(), tangent_1.entries.begin(),
+                                         [](const auto& a, const auto& b) { return a.index == b.index; });
+        for (std::size_t i = 0; i < position.entries.size(); ++i) {
+            const auto [index, weight] = position.entries[i];
+            rows_.add(index, {weight, together ? tangent_1.entries[i].weight : 0.0f, together ? tangent_2.entries[i].weight : 0.0f});
+        }
+        for (std::size_t i = 0; !together && i < tangent_1.entries.size(); ++i) {
+            const auto [index, weight] = tangent_1.entries[i];
+            if (weight != 0.0f || tangent_2.entries[i].weight != 0.0f) {
+                rows_.add(index, {0.0f, weight, tangent_2.entries[i].weight});
+            }
+        }
+        rows_.end_row();
+    }
+    void begin_point()
+    {
+        finish();
+        begun_ = true;
+        position.entries.clear();
+        tangent_1.entries.clear();
+        tangent_2.entries.clear();
+    }
+
+private:
+    MaskRows<LimitWeights>& rows_;
+    bool begun_ = false;
+};
+
+void LimitRecord::Writer::Clear()
+{
+    if (owner->begins) {
+        owner->rows->begin_point();
+    }
+}
+
+LimitMasks masks_of(const Far::TopologyRefiner& refiner, Job& job)
+{
+    const Far::PrimvarRefiner primvars(refiner);
+    LimitMasks masks;
+    masks.vertices = static_cast<std::size_t>(refiner.GetLevel(0).GetNumVertices());
+    std::uint32_t before = 0;
+    std::uint32_t first = static_cast<std::uint32_t>(masks.vertices);
+    for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
+        job.throw_if_cancelled();
+        const SourcePoints sources{before};
+        RefinedPoints points(masks.refinement, first);
+        primvars.Interpolate(level, sources, points);
+        points.finish();
+        // Points of faces come first, and those of edges and vertices are made of them.
+        const int of_faces = refiner.GetLevel(level - 1).GetNumFaces();
+        const bool has_face_points = refiner.GetSchemeType() != Sdc::SCHEME_LOOP;
+        if (has_face_points) {
+            masks.stretches.push_back(first - masks.vertices + static_cast<std::size_t>(of_faces));
+        }
+        before = first;
+        first += static_cast<std::uint32_t>(refiner.GetLevel(level).GetNumVertices());
+        masks.stretches.push_back(first - masks.vertices);
+    }
+    masks.last_level = before;
+    const SourcePoints sources{before};
+    LimitRows rows(masks.limit);
+    primvars.Limit(sources, rows.position, rows.tangent_1, rows.tangent_2);
+    rows.finish();
+    masks.refinement.finish();
+    masks.limit.finish();
+    return masks;
+}
+
+struct UvPoint {
+    glm::vec2 value{0.0f};
+    void Clear() { value = glm::vec2(0.0f); }
+    void AddWithWeight(const UvPoint& other, float weight) { value += other.value * weight; }
+};
+
+std::vector<glm::vec2> refined_uvs(const Far::TopologyRefiner& refiner, const std::vector<glm::vec2>& values)
+{
+    const Far::PrimvarRefiner primvars(refiner);
+    std::vector<UvPoint> uvs(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        uvs[i].value = values[i];
+    }
+    for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
+        std::vector<UvPoint> finer(static_cast<std::size_t>(refiner.GetLevel(level).GetNumFVarValues(0)));
+        primvars.InterpolateFaceVarying(level, uvs, finer, 0);
+        uvs = std::move(finer);
+    }
+    std::vector<UvPoint> limit(uvs.size());
+    primvars.LimitFaceVarying(uvs, limit, 0);
+    std::vector<glm::vec2> refined(limit.size());
+    for (std::size_t i = 0; i < limit.size(); ++i) {
+        refined[i] = limit[i].value;
+    }
+    return refined;
+}
+
+RefinedTopology last_level(const Far::TopologyRefiner& refiner)
+{
+    RefinedTopology topology;
+    std::vector<std::int32_t> origins(static_cast<std::size_t>(refiner.GetLevel(0).GetNumFaces()));
+    for (std::size_t face = 0; face < origins.size(); ++face) {
+        origins[face] = static_cast<std::int32_t>(face);
+    }
+    for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
+        const Far::TopologyLevel& finer = refiner.GetLevel(level);
+        topology.faces.resize(static_cast<std::size_t>(finer.GetNumFaces()));
+        for (int face = 0; face < finer.GetNumFaces(); ++face) {
+            topology.faces[face] = origins[finer.GetFaceParentFace(face)];
+        }
+        origins = topology.faces;
+    }
+    const Far::TopologyLevel& last = refiner.GetLevel(refiner.GetMaxLevel());
+    topology.face_sizes.reserve(topology.faces.size());
+    topology.corners.reserve(static_cast<std::size_t>(last.GetNumFaceVertices()));
+    topology.uv_corners.reserve(static_cast<std::size_t>(last.GetNumFaceVertices()));
+    for (int face = 0; face < last.GetNumFaces(); ++face) {
+        const Far::ConstIndexArray vertices = last.GetFaceVertices(face);
+        const Far::ConstIndexArray values = last.GetFaceFVarValues(face, 0);
+        topology.face_sizes.push_back(vertices.size());
+        topology.corners.insert(topology.corners.end(), vertices.begin(), vertices.end());
+        topology.uv_corners.insert(topology.uv_corners.end(), values.begin(), values.end());
+    }
+    return topology;
+}
+
+// A boundary without further creases has one tangent plane at a vertex, and so has a corner of a single face.
+bool has_one_plane(const Far::TopologyLevel& level, int vertex, Scheme scheme)
+{
+    if (scheme == Scheme::bilinear || level.IsVertexNonManifold(vertex)) {
+        return false;
+    }
+    switch (level.GetVertexRule(vertex)) {
+    case Sdc::Crease::RULE_CREASE:
+        return level.IsVertexBoundary(vertex);
+    case Sdc::Crease::RULE_CORNER:
+        return false;
+    default:
+        return true;
+    }
+}
+
+class UniformEvaluator : public LimitEvaluator {
+public:
+    explicit UniformEvaluator(LimitMasks masks) : masks_(std::move(masks)) {}
+
+    LimitPoints evaluate(std::span<const glm::vec3> positions, Job& job) const override
+    {
+        LimitFrames frames = apply_masks(masks_, positions, job);
+        return {std::move(frames.positions), {}, std::move(frames.tangents)};
+    }
+    std::vector<float> interpolate(std::span<const float> values, Job& job) const override { return apply_masks(masks_, values, job); }
+    std::size_t bytes() const override { return masks_.bytes(); }
+
+private:
+    LimitMasks masks_;
+};
+
+}  // namespace
+
+Refined refine_uniformly(const Surface& surface, const Refinement& refinement, Job& job)
+{
+    const UvTopology uvs = share_uvs(surface);
+    const std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(surface, uvs, refinement);
+    Far::TopologyRefiner::UniformOptions uniform(refinement.levels);
+    uniform.fullTopologyInLastLevel = true;  // limit masks ask the last level for its neighborhoods
+    uniform.orderVerticesFromFacesFirst = true;
+    refiner->RefineUniform(uniform);
+    job.throw_if_cancelled();
+
+    Refined refined;
+    refined.topology = last_level(*refiner);
+    refined.topology.uvs = refined_uvs(*refiner, uvs.values);
+    const Far::TopologyLevel& last = refiner->GetLevel(refinement.levels);
+    refined.sharp.resize(static_cast<std::size_t>(last.GetNumVertices()));
+    for (int vertex = 0; vertex < last.GetNumVertices(); ++vertex) {
+        refined.sharp[vertex] = !has_one_plane(last, vertex, refinement.scheme);
+    }
+    refined.evaluator = std::make_unique<const UniformEvaluator>(masks_of(*refiner, job));
+    return refined;
+}
+
+}  // namespace mesoshell

@@ -1,0 +1,28 @@
+// What a shell keeps of the surface and the options it was built from, so that it can be updated.
+#pragma once
+
+#include <vector>
+
+#include "limit_surface.h"
+#include "mesoshell/shell.h"
+
+namespace mesoshell {
+
+struct ShellRig {
+    ShellRig(const Surface& surface, const ShellOptions& options, Job& job)
+        : limit(surface, options.refinement, job), director_smoothing(options.director_smoothing), repair(options.repair),
+          relax_steps(options.relax_steps)
+    {
+    }
+
+    LimitSurface limit;
+    // Asked, one a vertex of the shell, object units: as the shell was built, and where all thickness factors are 1.
+    std::vector<float> thickness;
+    std::vector<float> full_thickness;
+    // Options whose work depends on positions.
+    int director_smoothing;
+    bool repair;
+    int relax_steps;
+};
+
+}  // namespace mesoshell
