@@ -18,6 +18,7 @@ bl_info = {
 # In order of registration; each has register() and unregister().
 NAMES = [
     "host.properties",
+    "host.overlay_options",
     "host.bake_options",
     "host.shells",
     "host.bake_state",
@@ -27,8 +28,11 @@ NAMES = [
     "ops.cancel_bake",
     "ops.add_shell",
     "ops.remove_shell",
+    "ops.check_shell",
+    "ops.unwrap",
     "ui.bake_panel",
     "ui.shell_panel",
+    "ui.shell_subpanels",
 ]
 if not bpy.app.background:
     NAMES.append("gpu.handler")

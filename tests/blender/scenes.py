@@ -1,5 +1,9 @@
 """Small objects for the tests, made by arrays, and what is true of them in closed form."""
 
+import gc
+import os
+from pathlib import Path
+
 import bpy
 import numpy as np
 
@@ -13,10 +17,17 @@ SMALL_BAKE = dict(resolution=(16, 20, 8), directions=(8, 16), sdf_resolution=(32
                   precision="float")
 
 
+def resident():
+    """Bytes of this process that are in memory."""
+    gc.collect()
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
 def everything():
     """What is in the file, by collection and pointer."""
     return {name: {item.as_pointer() for item in getattr(bpy.data, name)}
-            for name in ("objects", "meshes", "lights", "images", "collections", "curves", "volumes")}
+            for name in ("objects", "meshes", "lights", "images", "collections", "curves", "volumes", "armatures", "actions",
+                         "cameras", "materials", "node_groups")}
 
 
 def restore(before):
@@ -82,6 +93,53 @@ def make_torus(name, major=1.0, minor=0.4, around=32, across=16):
     uvs = np.stack([np.stack([i, j], -1), np.stack([i + 1, j], -1), np.stack([i + 1, j + 1], -1),
                     np.stack([i, j + 1], -1)], axis=2).reshape(-1, 2) / [around, across]
     return make_object(name, positions, faces, uvs)
+
+
+def make_grid(name, side=4, size=2.0):
+    """A flat grid of side x side quads, in rows along x, with UVs in [0, 1]."""
+    ticks = np.linspace(0.0, 1.0, side + 1)
+    places = np.array([(x, y, 0.0) for y in ticks for x in ticks])
+    first = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).ravel()
+    faces = np.stack([first, first + 1, first + side + 2, first + side + 1], axis=1)
+    return make_object(name, places * size, faces, places[faces.ravel()][:, :2])
+
+
+def add_shell(obj, path, **settings):
+    """Puts a shell on an object by the operator."""
+    bpy.context.view_layer.update()
+    assert bpy.ops.mesoshell.add_shell(object=obj.name, filepath=str(path), **settings) == {'FINISHED'}
+
+
+def make_bone(name, obj):
+    """An armature of one bone along +z that holds all of `obj`, whose modifier is the first of its stack."""
+    armature = bpy.data.armatures.new(name)
+    rig = bpy.data.objects.new(name, armature)
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode='EDIT')
+    armature.edit_bones.new("Bone").tail = (0.0, 0.0, 1.0)
+    bpy.ops.object.mode_set(mode='OBJECT')
+    obj.vertex_groups.new(name="Bone").add(range(len(obj.data.vertices)), 1.0, 'REPLACE')
+    modifier = obj.modifiers.new("Armature", 'ARMATURE')
+    modifier.object = rig
+    rig.pose.bones["Bone"].rotation_mode = 'XYZ'
+    return rig
+
+
+def animate_bone(rig, frames, location=(3.0, -1.0, 2.0), rotation=(0.3, 0.5, 2.0)):
+    """Moves the rig's bone from rest at frame 1 to `location` and `rotation` at the last of `frames`."""
+    bone = rig.pose.bones["Bone"]
+    for frame, share in ((1, 0.0), (frames, 1.0)):
+        bone.location = np.array(location) * share
+        bone.rotation_euler = np.array(rotation) * share
+        bone.keyframe_insert("location", frame=frame)
+        bone.keyframe_insert("rotation_euler", frame=frame)
+
+
+def bone_motion(rig):
+    """The rigid motion [4, 4] of the rig's bone from rest, in the scene's current frame, in the rig's space."""
+    bone = rig.evaluated_get(bpy.context.evaluated_depsgraph_get()).pose.bones["Bone"]
+    return np.array(bone.matrix) @ np.linalg.inv(np.array(bone.bone.matrix_local))
 
 
 def make_plane(name, size=2.0, uv_scale=1.0):

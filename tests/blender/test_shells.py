@@ -36,7 +36,7 @@ def test_a_shell_is_what_was_asked_for(shells, chain_scene, map_file):
     torus.mesoshell.base_color = (0.25, 0.5, 0.75)
     instance = visible(shells)[torus.name]
     np.testing.assert_allclose(instance.world_from_object, np.array(torus.matrix_world))
-    assert instance.settings == ("gdm", (0.25, 0.5, 0.75, 1.0))
+    assert instance.settings == ("gdm", (0.25, 0.5, 0.75, 1.0), "exact")
     assert instance.map.height == pytest.approx(scenes.HEIGHT, rel=1e-6)
     prisms = np.asarray(instance.shell.prisms)
     assert len(prisms) == instance.shell.prism_count == 2 * len(torus.data.polygons)

@@ -192,3 +192,30 @@ def test_a_shader_that_does_not_compile_is_one_sentence(part, view, mail, monkey
     program.forget()
     redraw()
     assert handler.problem() is None
+
+
+def test_playback_draws_the_moved_shell(part, native, view, mail):
+    """An armature turns the torus and lifts it: each frame shows the shell where it is, and holds one shell."""
+    space, region = view
+    torus, cube = mail
+    rig = scenes.make_bone("Rig", torus)
+    scenes.animate_bone(rig, 4, location=(0.2, 0.1, 0.3), rotation=(0.5, 0.2, 0.4))
+    rig.hide_set(True)
+    torus.mesoshell.surface = 'CAGE'
+    resources = part("gpu.resources")
+    held = []
+    try:
+        for frame in (1, 3, 4):
+            bpy.context.scene.frame_set(frame)
+            clip_from_world = look(space, region, (2.6, -2.7, 2.4))
+            instance, = part("host.shells").visible(bpy.context.evaluated_depsgraph_get(), space)
+            shown = x11_screen.region(region)
+            color, before, _behind = expected(part, native, instance, [cube], clip_from_world, region)
+            assert before.sum() > 5000
+            lift = scenes.bone_motion(rig)[2, 3]
+            assert np.asarray(instance.shell.bounds)[1, 2] > 0.6 + lift
+            assert x11_screen.looks_like(shown, color)[before].mean() >= 0.995
+            held.append(len(resources._shells))
+    finally:
+        bpy.context.scene.frame_set(1)
+    assert held[0] == held[-1]

@@ -49,7 +49,7 @@ def draw_shell(instance, clip_from_world, lights, *, output="color"):
     )
     block = native.module().shell_params(record.tobytes(), instance.map, clip_from_object)
     shader = program.shell_program()
-    shell = resources.shell_resources(instance.shell, instance.shell_version)
+    shell = resources.shell_resources(instance.shell, instance.place, instance.shell_version)
     tile_map = resources.map_resources(instance.map, instance.map_version)
 
     before = gpu.state.depth_test_get(), gpu.state.depth_mask_get(), gpu.state.blend_get()

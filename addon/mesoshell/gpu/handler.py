@@ -6,7 +6,7 @@ import bpy
 import numpy
 
 from ..host import lights, shells, versions
-from . import draw, program, resources, scene_depth
+from . import draw, overlays, program, resources, scene_depth
 
 _handle = None
 _problem = None
@@ -33,11 +33,26 @@ def _draw():
                 draw.draw_shell(instance, clip_from_world, lit)
             except Exception as error:  # the others are drawn all the same
                 problems.append((f'"{instance.object_name}": {error}', error))
+        if context.space_data.overlay.show_overlays:
+            problems += _draw_overlays(instances, context, clip_from_world if instances else None)
     except Exception as error:
         problems.append((str(error), error))
     finally:
         resources.end_draw()
+        overlays.end_draw()
     _report(problems)
+
+
+def _draw_overlays(instances, context, clip_from_world):
+    """After all shells, so that none hides what is drawn over another; returns problems, as (sentence, error)."""
+    problems = []
+    settings, region = context.scene.mesoshell_overlays, context.region
+    for instance in instances:
+        try:
+            overlays.draw(instance, settings, clip_from_world, (region.width, region.height))
+        except Exception as error:
+            problems.append((f'Overlays of "{instance.object_name}": {error}', error))
+    return problems
 
 
 def _report(problems):
@@ -63,4 +78,5 @@ def unregister():
     _problem = None
     scene_depth.unregister()
     resources.forget()
+    overlays.forget()
     program.forget()

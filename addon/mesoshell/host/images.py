@@ -49,6 +49,13 @@ def heights(image, notices):
     return np.concatenate([(part @ _LUMINANCE).astype(np.float32) for part in parts])
 
 
+def red(image):
+    """The red channel of an image as numbers from 0 to 1, float32 [h, w], at most MOST_COLOR_PIXELS a side; ValueError."""
+    if is_empty(image):
+        raise ValueError(f'The image "{image.name}" has no pixels: reload it (Image > Reload), or pick another one')
+    return np.ascontiguousarray(np.clip(_smaller(_pixels(image)[..., :1], MOST_COLOR_PIXELS)[..., 0], 0.0, 1.0))
+
+
 @contextmanager
 def heights_file(path):
     """An image of a file, as numbers, while the block runs; ValueError if it is none. Nothing stays in the .blend file."""

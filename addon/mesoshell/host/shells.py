@@ -1,10 +1,10 @@
 """What is to be drawn: the built shell and the loaded map of each visible object, kept while nothing changes.
 
 A shell is built when it is first asked for, and again when its settings, its file or (as the depsgraph tells) its
-geometry changed. What goes wrong becomes a sentence for the panel, and that object is left out.
+geometry changed; where only positions did, it is updated. What goes wrong becomes a sentence for the panel, and that object
+is left out.
 """
 
-import hashlib
 import itertools
 import traceback
 from typing import NamedTuple
@@ -13,8 +13,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from ..core import native
-from . import handlers, map_cache, meshes, paths, versions
+from . import handlers, map_cache, meshes, parts, sentences, shell_building, shell_checks, shell_keys, versions
 
 
 class ShellSettings(NamedTuple):
@@ -22,6 +21,7 @@ class ShellSettings(NamedTuple):
 
     traversal: str  # "gdm" or "sdf"
     base_color: tuple  # linear RGBA
+    fins: str = "exact"  # or "paper"
 
 
 class ShellInstance(NamedTuple):
@@ -32,26 +32,34 @@ class ShellInstance(NamedTuple):
     settings: ShellSettings
     shell_version: int  # changes when `shell` does; never used twice in a session
     map_version: int
+    place: tuple  # hashable; stays while the shell of one object changes
+    found: dict  # what host/shell_checks.py found of this version, kept with it
 
 
-class BuildKey(NamedTuple):
-    """All that a shell is built from, except for the geometry."""
-
-    file: map_cache.FileState
-    thickness: float
-    levels: int
-    scheme: str
-    tiles: tuple
+# How much of an entry can be wrong, from nothing to everything.
+_FRESH, _MOVED, _EDITED = range(3)
 
 
 class _Entry:
     """A built shell and its map, or the sentence of why there is none."""
 
-    def __init__(self, key, digest=None, shell=None, loaded_map=None, problem=None):
-        self.key, self.digest, self.shell, self.loaded_map, self.problem = key, digest, shell, loaded_map, problem
-        self.version = next(_versions)
-        self.stale = False
+    def __init__(self, key, built=None, loaded_map=None, problem=None):
+        self.key, self.loaded_map, self.problem = key, loaded_map, problem
+        self.problem_cause = None  # the exception
+        self.stale = _FRESH
         self.last_asked = _asked
+        self.weights = {}  # of vertex groups, as meshes.read_surface keeps them
+        self.take(built)
+
+    def take(self, built):
+        """A shell_building.Built, as another version of what is drawn."""
+        self.built = built
+        self.version = next(_versions)
+        self.found = {}
+
+    @property
+    def shell(self):
+        return None if self.built is None else self.built.shell
 
 
 _versions = itertools.count(1)
@@ -65,21 +73,27 @@ _IDLE_CALLS = 240
 def visible(depsgraph, space=None):
     """A list of ShellInstance, one for each object with a shell that is visible in the depsgraph's view layer.
 
-    `space` is a SpaceView3D whose local view and local collections count too (None: the context's, if it has one). Never raises for what a user can do;
-    problem() then has the sentence.
+    `space` is a SpaceView3D whose local view and local collections count too (None: the context's, if it has one). Never
+    raises for what a user can do; problem() then has the sentence.
     """
     global _asked
     _asked += 1
     instances = []
     for obj in depsgraph.view_layer.objects:
         if obj.mesoshell.enabled and _is_visible(obj, depsgraph, space):
-            entry = _up_to_date(obj, depsgraph)
-            entry.last_asked = _asked
-            if entry.problem is None:
-                instances.append(_instance(obj, depsgraph, entry))
+            instance = one(obj, depsgraph)
+            if instance is not None:
+                instances.append(instance)
     for place in [place for place, entry in _entries.items() if _asked - entry.last_asked > _IDLE_CALLS]:
         del _entries[place]
     return instances
+
+
+def one(obj, depsgraph):
+    """The ShellInstance of an object with a shell, whether it is visible or not; None where problem() has a sentence."""
+    entry = _up_to_date(obj, depsgraph)
+    entry.last_asked = _asked
+    return _instance(obj, depsgraph, entry) if entry.problem is None else None
 
 
 def problem(obj):
@@ -91,45 +105,39 @@ def problem(obj):
     return None
 
 
+def needs_unwrap(obj):
+    """Whether that problem is one of UVs, which mesoshell.unwrap may mend."""
+    return any(entry is not None and isinstance(entry.problem_cause, meshes.UvProblem)
+               for entry in (_entries.get((versions.object_key(obj), mode)) for mode in ('VIEWPORT', 'RENDER')))
+
+
+def drawn(obj):
+    """(native Shell, its version) of an object as last drawn in the viewport, or None."""
+    entry = _entries.get((versions.object_key(obj), 'VIEWPORT'))
+    return None if entry is None or entry.built is None else (entry.shell, entry.version)
+
+
 def prism_count(obj):
     """The prisms of an object's shell as last drawn in the viewport, or None."""
+    last = drawn(obj)
+    return None if last is None else last[0].prism_count
+
+
+def thickness(obj):
+    """The thickness of an object's shell as last drawn in the viewport, in object units, or None."""
     entry = _entries.get((versions.object_key(obj), 'VIEWPORT'))
-    return entry.shell.prism_count if entry is not None and entry.shell is not None else None
+    return None if entry is None or entry.built is None else entry.built.fit.thickness
 
 
-def build_key(obj, *, map_path, thickness, levels, scheme, tiles):
-    """The BuildKey of these settings; raises ValueError or OSError."""
-    if not thickness > 0.0:
-        raise ValueError(f'The shell of "{obj.name}" has a thickness of {thickness:g}: set it to more than zero')
-    return BuildKey(map_cache.file_state(paths.absolute(map_path, obj)), thickness, levels, scheme, tuple(tiles))
-
-
-def surface_for(obj, depsgraph, key):
-    """The SurfaceArrays that `key` asks for; raises ValueError."""
-    return meshes.read_surface(obj, depsgraph, tiles=key.tiles, triangulate=key.scheme == "loop",
-                               polygons=key.levels > 0)
-
-
-def build(obj, surface, key):
-    """The native Shell of an object's surface; raises ValueError, MemoryError, Error or NativeMissing."""
-    module = native.module()
-    try:
-        return module.build_shell(surface.positions, surface.face_sizes, surface.corners, surface.uvs,
-                                  thickness=key.thickness, levels=key.levels, scheme=key.scheme)
-    except ValueError as error:
-        raise ValueError(f'"{obj.name}": {error}') from error
-    except module.Error as error:
-        raise module.Error(f'"{obj.name}": {error}') from error
-
-
-def adopt(obj, depsgraph, key, surface, shell, loaded_map):
+def adopt(obj, depsgraph, key, built, loaded_map):
     """Keeps a shell that was just built, so that the first drawing need not build it again."""
-    _entries[versions.object_key(obj), depsgraph.mode] = _Entry(key, _digest(surface), shell, loaded_map)
+    _entries[versions.object_key(obj), depsgraph.mode] = _Entry(key, built, loaded_map)
 
 
 def forget():
     """Drops everything; what is asked for next is built anew."""
     _entries.clear()
+    shell_checks.forget()
 
 
 def _is_visible(obj, depsgraph, space):
@@ -141,46 +149,43 @@ def _is_visible(obj, depsgraph, space):
 
 
 def _up_to_date(obj, depsgraph):
-    settings = obj.mesoshell
     place = (versions.object_key(obj), depsgraph.mode)
     entry = _entries.get(place)
     key = None
     try:
-        key = build_key(obj, map_path=settings.map_path, thickness=settings.thickness, levels=settings.levels,
-                        scheme=settings.scheme, tiles=(settings.tiles_u, settings.tiles_v))
-        if entry is not None and entry.key == key and not entry.stale:
-            return entry
-        surface = surface_for(obj, depsgraph, key)
-        digest = _digest(surface)
-        if entry is not None and entry.key == key and entry.digest == digest:
-            # The depsgraph names an object whose color changed as well; only what it is made of counts.
-            entry.stale = False
-            return entry
+        key = shell_keys.of_object(obj, depsgraph)
+        if entry is not None and entry.key == key:
+            if entry.stale == _FRESH:
+                return entry
+            if entry.built is not None:
+                _bring_up_to_date(obj, depsgraph, entry)
+                return entry
         loaded_map = map_cache.load(key.file)
-        entry = _Entry(key, digest, build(obj, surface, key), loaded_map)
+        entry = _Entry(key, None, loaded_map)
+        surface = meshes.read_surface(obj, depsgraph, key.reading, known_weights=entry.weights)
+        entry.take(shell_building.build(obj, surface, key, loaded_map.map, obj.mesoshell.thickness_image))
     except Exception as error:  # whatever it is, drawing goes on
-        entry = _Entry(key, problem=str(error) or type(error).__name__)
-        if not _is_foreseen(error):
-            traceback.print_exc()
+        entry = _Entry(key, problem=sentences.of(error))
+        entry.problem_cause = error.with_traceback(None)
+        if not isinstance(error, sentences.expected()):
+            traceback.print_exception(error)
     _entries[place] = entry
     return entry
 
 
-def _digest(surface):
-    digest = hashlib.blake2b(digest_size=16)
-    for array in surface:
-        digest.update(array)
-        digest.update(repr(array.shape).encode())
-    return digest.digest()
+def _bring_up_to_date(obj, depsgraph, entry):
+    """Reads a stale entry's geometry, and updates or builds its shell if that changed.
 
-
-def _is_foreseen(error):
-    if isinstance(error, (ValueError, OSError, MemoryError, native.NativeMissing)):
-        return True
-    try:
-        return isinstance(error, native.module().Error)
-    except native.NativeMissing:
-        return False
+    The depsgraph names an object whose color changed as well, and a new frame moves some objects only: what was read tells.
+    """
+    moved_only = entry.stale == _MOVED
+    weights = entry.weights if moved_only and not parts.weights_may_move(obj) else {}
+    surface = meshes.read_surface(obj, depsgraph, entry.key.reading, known_weights=weights)
+    image = obj.mesoshell.thickness_image
+    built = shell_building.again(obj, surface, entry.key, entry.built, entry.loaded_map.map, image, at_rest=moved_only)
+    if built is not entry.built:
+        entry.take(built)
+    entry.weights, entry.stale = weights, _FRESH
 
 
 def _instance(obj, depsgraph, entry):
@@ -188,25 +193,30 @@ def _instance(obj, depsgraph, entry):
     return ShellInstance(
         obj.name, entry.shell, entry.loaded_map.map,
         np.array(obj.evaluated_get(depsgraph).matrix_world, np.float64),
-        ShellSettings(settings.traversal, (*settings.base_color, 1.0)), entry.version, entry.loaded_map.version)
+        ShellSettings(settings.traversal, (*settings.base_color, 1.0), settings.fins), entry.version,
+        entry.loaded_map.version, (versions.object_key(obj), depsgraph.mode), entry.found)
 
 
 @persistent
 def _on_depsgraph_update(_scene, depsgraph):
     if not _entries:
         return
-    changed = {versions.object_key(update.id.original) for update in depsgraph.updates
-               if update.is_updated_geometry and isinstance(update.id, bpy.types.Object)}
+    changed = set()
+    for update in depsgraph.updates:
+        if isinstance(update.id, bpy.types.Image):
+            shell_keys.image_changed(update.id.original)
+        elif update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
+            changed.add(versions.object_key(update.id.original))
     for (object_key, _mode), entry in _entries.items():
         if object_key in changed:
-            entry.stale = True
+            entry.stale = _EDITED
 
 
 @persistent
 def _on_frame_change(*_arguments):
-    # The depsgraph's list of updates is empty then; a digest tells what really moved.
+    # The depsgraph's list of updates is empty then; what is read tells what really moved.
     for entry in _entries.values():
-        entry.stale = True
+        entry.stale = max(entry.stale, _MOVED)
 
 
 @persistent
@@ -216,7 +226,7 @@ def _on_undo(*_arguments):
     for place in [place for place in _entries if place[0] not in alive]:
         del _entries[place]
     for entry in _entries.values():
-        entry.stale = True
+        entry.stale = _EDITED
 
 
 @persistent
@@ -224,8 +234,8 @@ def _on_load(*_arguments):
     forget()
 
 
-_HANDLERS = (("depsgraph_update_post", _on_depsgraph_update), ("frame_change_post", _on_frame_change), ("undo_post", _on_undo), ("redo_post", _on_undo),
-             ("load_post", _on_load))
+_HANDLERS = (("depsgraph_update_post", _on_depsgraph_update), ("frame_change_post", _on_frame_change),
+             ("undo_post", _on_undo), ("redo_post", _on_undo), ("load_post", _on_load))
 
 
 def register():

@@ -7,8 +7,13 @@ import numpy as np
 PATH_OPTIONS = {'PATH_SUPPORTS_BLEND_RELATIVE'} if bpy.app.version >= (4, 5, 0) else set()
 
 
-# GPUShader's name for a shader that fills triangles with one color.
-FLAT_COLOR_SHADER = 'UNIFORM_COLOR' if bpy.app.version >= (4, 0, 0) else '3D_UNIFORM_COLOR'
+# GPUShader's names for shaders that fill triangles with one color, with colors of vertices, and that draw wide lines.
+_PREFIX = "" if bpy.app.version >= (4, 0, 0) else "3D_"
+FLAT_COLOR_SHADER, SMOOTH_COLOR_SHADER, LINE_SHADER = (
+    _PREFIX + name for name in ('UNIFORM_COLOR', 'SMOOTH_COLOR', 'POLYLINE_UNIFORM_COLOR'))
+
+
+_CREASES_ARE_ATTRIBUTES = "crease" not in bpy.types.MeshEdge.bl_rna.properties  # since 4.0
 
 
 def object_key(obj):
@@ -27,6 +32,14 @@ def uv_array(layer, corner_count):
     return uvs.reshape(-1, 2)
 
 
+def set_uv_array(layer, uvs):
+    """Sets the UVs of a layer of a mesh, float32 [corners, 2]."""
+    if hasattr(layer, "uv"):
+        layer.uv.foreach_set("vector", uvs.ravel())
+    else:
+        layer.data.foreach_set("uv", uvs.ravel())
+
+
 def corner_normals(mesh):
     """Normals of a mesh's corners as it is shaded, float32 [corners, 3]; invalidates its triangulation."""
     normals = np.empty(len(mesh.loops) * 3, np.float32)
@@ -36,6 +49,40 @@ def corner_normals(mesh):
         mesh.calc_normals_split()
         mesh.loops.foreach_get("normal", normals)
     return normals.reshape(-1, 3)
+
+
+def has_custom_normals(mesh):
+    """Whether a mesh is shaded by normals of its own making; before 4.1 it is if Auto Smooth is on."""
+    return mesh.has_custom_normals and getattr(mesh, "use_auto_smooth", True)
+
+
+def edge_creases(mesh):
+    """Creases of a mesh's edges, float32 [edges] from 0 to 1, or None where it has none."""
+    if not _CREASES_ARE_ATTRIBUTES:
+        creases = np.empty(len(mesh.edges), np.float32)
+        mesh.edges.foreach_get("crease", creases)
+        return creases
+    return _creases(mesh, "crease_edge")
+
+
+def vertex_creases(mesh):
+    """Creases of a mesh's vertices, float32 [vertices] from 0 to 1, or None where it has none."""
+    if _CREASES_ARE_ATTRIBUTES:
+        return _creases(mesh, "crease_vert")
+    if not mesh.vertex_creases:
+        return None
+    creases = np.empty(len(mesh.vertices), np.float32)
+    mesh.vertex_creases[0].data.foreach_get("value", creases)
+    return creases
+
+
+def _creases(mesh, name):
+    attribute = mesh.attributes.get(name)
+    if attribute is None:
+        return None
+    creases = np.empty(len(attribute.data), np.float32)
+    attribute.data.foreach_get("value", creases)
+    return creases
 
 
 def material_nodes(material):

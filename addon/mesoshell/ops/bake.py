@@ -10,7 +10,8 @@ from bpy.props import IntProperty, StringProperty
 
 from ..core import native
 from ..core.bake_tile import BakeRequest, bake_tile, check_folder
-from ..host import bake_options, bake_state, chosen_source, paths, properties, sentences, source_options, versions
+from ..host import (bake_options, bake_state, chosen_source, paths, sentences, shell_options, source_options,
+                    versions)
 
 POLL_SECONDS = 0.1
 
@@ -150,7 +151,7 @@ class MESOSHELL_OT_bake(bake_options.BakeOptions, bpy.types.Operator):
         for notice in result.notices:
             self.report({'WARNING'}, notice)
         self.report({'INFO'}, bake_state.report)
-        properties.tag_redraw()
+        shell_options.tag_redraw()
         return {'FINISHED'}
 
     def _fail(self, error):

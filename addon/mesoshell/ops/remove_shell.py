@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
-from ..host import properties
+from ..host import shell_options
 
 
 class MESOSHELL_OT_remove_shell(bpy.types.Operator):
@@ -26,7 +26,7 @@ class MESOSHELL_OT_remove_shell(bpy.types.Operator):
             self.report({'ERROR'}, f'"{obj.name}" has no shell: pick an object that has one')
             return {'CANCELLED'}
         obj.property_unset("mesoshell")
-        properties.tag_redraw()
+        shell_options.tag_redraw()
         return {'FINISHED'}
 
 

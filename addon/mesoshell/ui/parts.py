@@ -23,6 +23,7 @@ def draw_sentence(layout, context, sentence, icon):
         return
     column = layout.column(align=True)
     width = context.region.width if context.region is not None else 240  # a panel in a popover has no region
-    characters = max(20, int(width / (7.5 * context.preferences.system.ui_scale)))
+    # Beside the text are the panel's borders, an icon and the sidebar's tabs.
+    characters = max(16, int((width / context.preferences.system.ui_scale - 65) / 6.3))
     for index, line in enumerate(textwrap.wrap(sentence, characters)):
         column.label(text=line, icon=icon if index == 0 else 'BLANK1')

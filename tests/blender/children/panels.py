@@ -21,6 +21,7 @@ session.module_name = session.enable(os.environ["MESOSHELL_TEST_PACKAGE"])
 bake_state, jobs, shells = (session.part(name) for name in ("host.bake_state", "core.jobs", "host.shells"))
 bpy.context.preferences.view.show_splash = False
 CLASSES = [*session.part("ui.bake_panel").CLASSES, *session.part("ui.shell_panel").CLASSES]
+OF_SHELLS = [*session.part("ui.shell_panel").CLASSES, *session.part("ui.shell_subpanels").CLASSES]
 OF_SOURCES = CLASSES[:2]  # what the source changes
 drawn, errors = [], []
 state = "start"
