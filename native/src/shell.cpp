@@ -4,7 +4,6 @@
 #include <functional>
 #include <string>
 
-#include "limit_surface.h"
 #include "mesoshell/folds.h"
 #include "shell_rig.h"
 #include "shell_table.h"
@@ -80,6 +79,9 @@ void take_pose(Shell& shell, LimitPoints points, Job& job)
     shell.positions = std::move(points.positions);
     shell.directors = std::move(points.normals);
     shell.tangents = std::move(points.tangents);
+    if (shell.rig->repair) {
+        repair_folds(shell, job);
+    }
     make_table(shell, job);
 }
 
@@ -96,18 +98,11 @@ Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
     }
     Shell shell;
     shell.topology = std::move(topology);
-        repair_folds(shell, job);
-    if (options.repair) {
-    make_table(shell, job);
+    shell.thickness.assign(refined.positions.size(), options.thickness);
     rig->full_thickness = shell.thickness;
     rig->thickness = shell.thickness;
-    shell.directors = std::move(refined.normals);
-    shell.positions = std::move(refined.positions);
     shell.rig = std::move(rig);
-    shell.thickness.assign(refined.positions.size(), options.thickness);
-    shell.thickness.assign(shell.positions.size(), options.thickness);
     take_pose(shell, std::move(refined), job);
-    }
     return shell;
 }
 
