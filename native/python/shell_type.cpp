@@ -41,7 +41,7 @@ PyGetSetDef shell_attributes[] = {
     {"positions", [](PyObject* self, void*) { return rows(self, self_of(self).positions, 'f', {3}); }, nullptr,
      "float32 [n, 3], vertices on the surface, object space", nullptr},
     {"directors", [](PyObject* self, void*) { return rows(self, self_of(self).directors, 'f', {3}); }, nullptr,
-     "float32 [n, 3], one a vertex, unit length; zero where no prism has it", nullptr},
+     "float32 [n, 3], one a vertex, unit length", nullptr},
     {"thickness", [](PyObject* self, void*) { return rows(self, self_of(self).thickness, 'f', {}); }, nullptr,
      "float32 [n], one a vertex, object units", nullptr},
     {"triangles", [](PyObject* self, void*) { return rows(self, self_of(self).topology->triangles, 'I', {3}); }, nullptr,

@@ -189,6 +189,30 @@ RefinedSurface refine(const Surface& surface, const Refinement& refinement)
     return refined;
 }
 
+std::vector<float> refine_values(const Surface& surface, const Refinement& refinement, std::span<const float> values)
+{
+    if (refinement.levels == 0) {
+        return {values.begin(), values.end()};
+    }
+    const std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(surface, share_uvs(surface), refinement.scheme);
+    Far::TopologyRefiner::UniformOptions uniform(refinement.levels);
+    uniform.fullTopologyInLastLevel = true;  // limit masks ask the last level for its neighborhoods
+    refiner->RefineUniform(uniform);
+    const Far::PrimvarRefiner primvars(*refiner);
+    std::vector<Primvar<float>> numbers(values.size());
+    std::transform(values.begin(), values.end(), numbers.begin(), [](float value) { return Primvar<float>{value}; });
+    for (int level = 1; level <= refinement.levels; ++level) {
+        std::vector<Primvar<float>> finer(refiner->GetLevel(level).GetNumVertices());
+        primvars.Interpolate(level, numbers, finer);
+        numbers = std::move(finer);
+    }
+    std::vector<Primvar<float>> limit(numbers.size());
+    primvars.Limit(numbers, limit);
+    std::vector<float> result(limit.size());
+    std::transform(limit.begin(), limit.end(), result.begin(), [](const Primvar<float>& number) { return number.value; });
+    return result;
+}
+
 const void* opensubdiv_function()
 {
     return reinterpret_cast<const void*>(&Far::SetErrorCallback);

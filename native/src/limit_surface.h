@@ -1,6 +1,7 @@
 // The one home of OpenSubdiv: a mesh refined to a level, with limit positions and limit normals.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "mesoshell/surface.h"
@@ -19,6 +20,9 @@ struct RefinedSurface {
 
 // At level 0 the mesh as it is, with its own normals; else positions and normals of the limit surface.
 RefinedSurface refine(const Surface& surface, const Refinement& refinement);
+
+// Numbers at the surface's vertices, carried to those of the refined surface as positions are.
+std::vector<float> refine_values(const Surface& surface, const Refinement& refinement, std::span<const float> values);
 
 // The address of an OpenSubdiv function, as this code calls it.
 const void* opensubdiv_function();

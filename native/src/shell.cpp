@@ -2,17 +2,22 @@
 
 #include <string>
 
+#include "director_smoothing.h"
+#include "extrusion.h"
 #include "limit_surface.h"
+#include "placement.h"
 #include "shell_table.h"
 #include "surface_check.h"
+#include "thickness.h"
 
 namespace mesoshell {
 namespace {
 
-// Triangles of a refined surface: quads are cut along their shorter diagonals, faces without area are left out.
+// Triangles of a refined surface: quads are cut along their shorter diagonals, faces without area are left out, and so are those
+// that come from faces that are not covered.
 class Triangulation {
 public:
-    explicit Triangulation(const RefinedSurface& surface) : surface_(surface) {}
+    Triangulation(const RefinedSurface& surface, std::span<const std::uint8_t> covered) : surface_(surface), covered_(covered) {}
 
     ShellTopology run()
     {
@@ -20,6 +25,10 @@ public:
         std::size_t first = 0;
         for (std::size_t face = 0; face < surface_.face_sizes.size(); ++face) {
             const std::int32_t size = surface_.face_sizes[face];
+            if (!covered_.empty() && covered_[surface_.faces[face]] == 0) {
+                first += static_cast<std::size_t>(size);
+                continue;
+            }
             if (size > 4) {
                 throw Error("face " + std::to_string(face) + " of the surface has " + std::to_string(size) +
                             " corners; use levels = 1 or more, or triangulate it");
@@ -54,6 +63,7 @@ private:
     }
 
     const RefinedSurface& surface_;
+    std::span<const std::uint8_t> covered_;
     ShellTopology topology_;
 };
 
@@ -74,17 +84,28 @@ void check_normals(const ShellTopology& topology, const std::vector<glm::vec3>& 
 Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
 {
     check_surface(surface, options);
+    check_extrusion(surface, options);
     RefinedSurface refined = refine(surface, options.refinement);
-    auto topology = std::make_shared<const ShellTopology>(Triangulation(refined).run());
-    if (topology->triangles.empty()) {
-        throw Error("every face of the surface has zero area; choose a mesh with visible faces");
+    ShellTopology topology = Triangulation(refined, options.covered).run();
+    if (topology.triangles.empty()) {
+        throw Error(std::string("every ") + (options.covered.empty() ? "" : "covered ") +
+                    "face of the surface has zero area; choose a mesh with visible faces");
     }
-    check_normals(*topology, refined.normals);
+    check_normals(topology, refined.normals);
     Shell shell;
-    shell.topology = std::move(topology);
+    shell.thickness = image_thickness(options.thickness, options.thickness_image, refined.positions.size(), refined.corners,
+                                      refined.uv_corners, refined.uvs);
+    if (!options.thickness_factors.empty()) {
+        scale_thickness(shell.thickness, refine_values(surface, options.refinement, options.thickness_factors));
+    }
+    leave_out_flat_prisms(topology, shell.thickness);
+    place_uvs(topology.uvs, options.placement);
+    shell.topology = std::make_shared<const ShellTopology>(std::move(topology));
     shell.positions = std::move(refined.positions);
     shell.directors = std::move(refined.normals);
-    shell.thickness.assign(shell.positions.size(), options.thickness);
+    shell.shift = options.shift;
+    const FaceLists faces{refined.face_sizes, refined.corners, refined.faces, options.covered};
+    smooth_directors(shell.directors, shell.positions, shell.topology->triangles, faces, options.director_smoothing, job);
     make_table(shell, job);
     return shell;
 }
