@@ -17,7 +17,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 os.environ.setdefault("MESOSHELL_NATIVE_PATH", str(ROOT / "build/stage"))
-sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tools")]
+sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tools"), str(ROOT / "tests")]
 
 FRAMES = (1, 13, 25, 37)
 SIZE = (720, 400)

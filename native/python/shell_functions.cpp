@@ -1,6 +1,7 @@
 // build_shell and update_shell: their many arguments, held while they run.
 #include "shell_functions.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "arrays.h"
@@ -127,7 +128,9 @@ PyObject* py_build_shell(PyObject* module, PyObject* args, PyObject* kwargs)
         }
         options.shift = choice_of(offsets, "offset", offset);
         options.director_smoothing = smooth_directors;
-        const std::vector<std::uint8_t> marks(covered_array.values().begin(), covered_array.values().end());
+        std::vector<std::uint8_t> marks(covered_array.values().size());
+        std::transform(covered_array.values().begin(), covered_array.values().end(), marks.begin(),
+                       [](std::int32_t mark) { return mark != 0 ? 1 : 0; });
         options.covered = marks;
         options.placement.scale = pair(state, uv_scale, "uv_scale", glm::vec2(1.0f));
         options.placement.rotation = static_cast<float>(uv_rotation);

@@ -4,61 +4,18 @@
 #include <functional>
 #include <string>
 
+#include "director_smoothing.h"
+#include "extrusion.h"
 #include "mesoshell/folds.h"
+#include "placement.h"
 #include "shell_rig.h"
 #include "shell_table.h"
 #include "surface_check.h"
+#include "thickness.h"
+#include "triangulation.h"
 
 namespace mesoshell {
 namespace {
-
-// Triangles of a refined surface: quads are cut along their shorter diagonals, faces without area are left out.
-class Triangulation {
-public:
-    explicit Triangulation(const RefinedSurface& surface) : surface_(surface) {}
-
-    ShellTopology run()
-    {
-        topology_.uvs = surface_.uvs;
-        std::size_t first = 0;
-        for (std::size_t face = 0; face < surface_.face_sizes.size(); ++face) {
-            const std::int32_t size = surface_.face_sizes[face];
-            if (size > 4) {
-                throw Error("face " + std::to_string(face) + " of the surface has " + std::to_string(size) +
-                            " corners; use levels = 1 or more, or triangulate it");
-            }
-            const glm::vec3 diagonal_02 = at(first + 2) - at(first);
-            const glm::vec3 diagonal_13 = size == 4 ? at(first + 3) - at(first + 1) : glm::vec3(0.0f);
-            if (size == 3) {
-                add(face, first, first + 1, first + 2);
-            } else if (glm::dot(diagonal_02, diagonal_02) <= glm::dot(diagonal_13, diagonal_13)) {
-                add(face, first, first + 1, first + 2);
-                add(face, first, first + 2, first + 3);
-            } else {
-                add(face, first, first + 1, first + 3);
-                add(face, first + 1, first + 2, first + 3);
-            }
-            first += static_cast<std::size_t>(size);
-        }
-        return std::move(topology_);
-    }
-
-private:
-    const glm::vec3& at(std::size_t corner) const { return surface_.positions[surface_.corners[corner]]; }
-
-    void add(std::size_t face, std::size_t a, std::size_t b, std::size_t c)
-    {
-        if (glm::cross(at(b) - at(a), at(c) - at(a)) == glm::vec3(0.0f)) {
-            return;
-        }
-        topology_.triangles.emplace_back(surface_.corners[a], surface_.corners[b], surface_.corners[c]);
-        topology_.uv_triangles.emplace_back(surface_.uv_corners[a], surface_.uv_corners[b], surface_.uv_corners[c]);
-        topology_.faces.push_back(surface_.faces[face]);
-    }
-
-    const RefinedSurface& surface_;
-    ShellTopology topology_;
-};
 
 void check_normals(const ShellTopology& topology, const std::vector<glm::vec3>& normals)
 {
@@ -75,11 +32,13 @@ void check_normals(const ShellTopology& topology, const std::vector<glm::vec3>& 
 // What depends on positions, in a build and in an update alike.
 void take_pose(Shell& shell, LimitPoints points, Job& job)
 {
+    const ShellRig& rig = *shell.rig;
     check_normals(*shell.topology, points.normals);
     shell.positions = std::move(points.positions);
     shell.directors = std::move(points.normals);
     shell.tangents = std::move(points.tangents);
-    if (shell.rig->repair) {
+    smooth_directors(shell.directors, shell.positions, shell.topology->triangles, rig.smoothed, rig.director_smoothing, job);
+    if (rig.repair) {
         repair_folds(shell, job);
     }
     make_table(shell, job);
@@ -90,17 +49,25 @@ void take_pose(Shell& shell, LimitPoints points, Job& job)
 Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
 {
     check_surface(surface, options);
+    check_extrusion(surface, options);
     auto rig = std::make_shared<ShellRig>(surface, options, job);
     RefinedSurface refined{rig->limit.take_topology(), rig->limit.evaluate(surface.positions, surface.normals, job)};
-    auto topology = std::make_shared<const ShellTopology>(Triangulation(refined).run());
-    if (topology->triangles.empty()) {
-        throw Error("every face of the surface has zero area; choose a mesh with visible faces");
+    ShellTopology topology = triangulate(refined, options.covered);
+    rig->full_thickness = image_thickness(options.thickness, options.thickness_image, refined.positions.size(), refined.corners,
+                                          refined.uv_corners, refined.uvs);
+    rig->thickness = rig->full_thickness;
+    if (!options.thickness_factors.empty()) {
+        scale_thickness(rig->thickness, rig->limit.interpolate(options.thickness_factors, job));
+    }
+    leave_out_flat_prisms(topology, rig->thickness);
+    place_uvs(topology.uvs, options.placement);
+    if (options.director_smoothing > 0) {
+        rig->smoothed = covered_faces(refined, options.covered);
     }
     Shell shell;
-    shell.topology = std::move(topology);
-    shell.thickness.assign(refined.positions.size(), options.thickness);
-    rig->full_thickness = shell.thickness;
-    rig->thickness = shell.thickness;
+    shell.topology = std::make_shared<const ShellTopology>(std::move(topology));
+    shell.thickness = rig->thickness;
+    shell.shift = options.shift;
     shell.rig = std::move(rig);
     take_pose(shell, std::move(refined), job);
     return shell;
@@ -116,9 +83,8 @@ Shell update_shell(const Shell& shell, const Pose& pose, Job& job)
     moved.shift = shell.shift;
     moved.thickness = rig.thickness;
     if (!pose.thickness_factors.empty()) {
-        moved.thickness = rig.limit.interpolate(pose.thickness_factors, job);
-        std::transform(rig.full_thickness.begin(), rig.full_thickness.end(), moved.thickness.begin(), moved.thickness.begin(),
-                       std::multiplies<>());
+        moved.thickness = rig.full_thickness;
+        scale_thickness(moved.thickness, rig.limit.interpolate(pose.thickness_factors, job));
     }
     take_pose(moved, rig.limit.evaluate(pose.positions, pose.normals, job), job);
     return moved;

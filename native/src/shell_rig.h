@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "director_smoothing.h"
 #include "limit_surface.h"
 #include "mesoshell/shell.h"
 
@@ -21,6 +22,7 @@ struct ShellRig {
     std::vector<float> full_thickness;
     // Options whose work depends on positions.
     int director_smoothing;
+    FaceLists smoothed;  // none without smoothing
     bool repair;
     int relax_steps;
 };

@@ -20,7 +20,7 @@ struct FactorImage {
     glm::ivec2 size{0};             // width, height
 };
 
-// Tiles from UVs: scaled, then turned counterclockwise, then moved.
+// Tiles from UVs: scaled, then turned counterclockwise, then moved. A negative scale mirrors; whole tiles of an offset do nothing.
 struct Placement {
     glm::vec2 scale{1.0f};
     float rotation = 0.0f;  // radians
@@ -30,7 +30,8 @@ struct Placement {
 struct ShellOptions {
     Refinement refinement;
     float thickness = 0.1f;                      // object units, positive
-    std::span<const float> thickness_factors;    // one a vertex of the surface, 0 to 1; empty: all 1
+    std::span<const float> thickness_factors;    // one a vertex of the surface, 0 to 1; empty: all 1. A prism
+                                                 // of thickness 0 at all its corners is left out
     FactorImage thickness_image;                 // no values: all 1
     float shift = 0.0f;                          // 0 outward, -1/2 centered, -1 inward
     int director_smoothing = 0;                  // steps, 0 to 100
@@ -64,7 +65,7 @@ struct Shell {
     std::shared_ptr<const ShellRig> rig;
     // One a vertex, shared by all prisms around it, so that a fin is the same from both sides.
     std::vector<glm::vec3> positions;  // on the surface, object space
-    std::vector<glm::vec3> directors;  // unit length; zero where no prism has the vertex
+    std::vector<glm::vec3> directors;  // unit length; where no prism has the vertex, the surface's normal or zero
     std::vector<float> thickness;      // object units, from base to top along the director
     // Two directions in the limit surface's tangent plane, of any length; empty at level 0, where there is no limit. Where the
     // surface has several tangent planes, as on a crease, two unit vectors perpendicular to its normal.
@@ -94,7 +95,8 @@ constexpr std::int64_t most_prisms = std::int64_t(1) << 22;
 
 // Limit positions and normals where levels > 0, the mesh's own vertices and normals at level 0.
 // Throws InvalidArgument for values that are not finite, indices or sizes out of range, missing UVs, a thickness that is not
-// positive, more prisms than most_prisms; Error for a mesh that cannot be subdivided, or a face of more than four corners at level 0.
+// positive, no covered face, other options out of range or of a wrong count, more prisms than most_prisms; Error for a mesh that
+// cannot be subdivided, a face of more than four corners at level 0, or a thickness of 0 everywhere.
 Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job);
 inline Shell build_shell(const Surface& surface, const ShellOptions& options)
 {
