@@ -1,6 +1,7 @@
 #include "fold_crossing.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "predicates.h"
@@ -8,10 +9,44 @@
 namespace mesoshell {
 namespace {
 
+// The plane of a triangle, asked for the sides of several points.
+class Plane {
+public:
+    explicit Plane(const Triangle& t) : triangle_(t), origin_(t[0])
+    {
+        const glm::dvec3 b = glm::dvec3(t[1]) - origin_;
+        const glm::dvec3 c = glm::dvec3(t[2]) - origin_;
+        for (int i = 0; i < 3; ++i) {
+            const double one = b[(i + 1) % 3] * c[(i + 2) % 3];
+            const double other = b[(i + 2) % 3] * c[(i + 1) % 3];
+            normal_[i] = one - other;
+            reach_[i] = std::abs(one) + std::abs(other);
+        }
+    }
+
+    // As orientation, with the same bound of the error: determinant() expanded along its last row.
+    int side(const glm::vec3& point) const
+    {
+        const glm::dvec3 d = glm::dvec3(point) - origin_;
+        const double value = glm::dot(d, normal_);
+        const double error = 8.0 * 0x1p-53 * (std::abs(d.x) * reach_.x + std::abs(d.y) * reach_.y + std::abs(d.z) * reach_.z);
+        if (std::abs(value) > error) {
+            return value > 0.0 ? 1 : -1;
+        }
+        return error == 0.0 ? 0 : orientation(triangle_[0], triangle_[1], triangle_[2], point);
+    }
+
+private:
+    const Triangle& triangle_;
+    glm::dvec3 origin_;
+    glm::dvec3 normal_;
+    glm::dvec3 reach_;
+};
+
 std::array<int, 3> sides(const Triangle& plane, const Triangle& points)
 {
-    return {orientation(plane[0], plane[1], plane[2], points[0]), orientation(plane[0], plane[1], plane[2], points[1]),
-            orientation(plane[0], plane[1], plane[2], points[2])};
+    const Plane asked(plane);
+    return {asked.side(points[0]), asked.side(points[1]), asked.side(points[2])};
 }
 
 bool on_both_sides(const std::array<int, 3>& signs)

@@ -64,7 +64,8 @@ inline int orientation(const glm::vec3& a, const glm::vec3& b, const glm::vec3& 
     if (std::abs(bounded.value) > bounded.error) {
         return bounded.value > 0.0 ? 1 : -1;
     }
-    return bounded.error == 0.0 ? 0 : determinant_sign({a, b}, {a, c}, {a, d});
+    // One of the corners is in their plane; asking for that exactly would take long.
+    return bounded.error == 0.0 || d == b || d == c ? 0 : determinant_sign({a, b}, {a, c}, {a, d});
 }
 
 // Sign of the area of the triangle a, b, c in the plane.
