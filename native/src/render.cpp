@@ -236,8 +236,8 @@ std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& or
             result.push_back({seen.t_in, seen.t_out, seen.q_in, seen.q_out});
         }
     };
-    if (path.parallel) {
-        add(shader::parallel_span(loaded, origin, dir));
+    if (path.level) {
+        add(shader::level_span(loaded, origin, dir, path.level_height));
         return result;
     }
     for (shader::PrismSpan span = shader::next_span(path, -std::numeric_limits<float>::max()); span.found;

@@ -28,7 +28,7 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int trave
     PrismPath path = make_prism_path(prism, origin, dir);
     float t_after = -3.0e38f;
     for (int i = 0; i < MOST_SPANS; ++i) {
-        PrismSpan span = path.parallel ? parallel_span(prism, origin, dir) : next_span(path, t_after);
+        PrismSpan span = path.level ? level_span(prism, origin, dir, path.level_height) : next_span(path, t_after);
         if (!span.found) {
             break;
         }
