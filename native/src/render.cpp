@@ -54,7 +54,7 @@ public:
         int fetches = 0;
         scene_.visit_along(origin, dir, std::max(t_near, 0.0f), [&](std::uint32_t index, float tfar) {
             const shader::ShellHit hit = shader::trace_prism(shader::prism_of(shell_.prisms[index]), origin, dir, t_near,
-                                                             params_.mode.x, tile_, tolerance_);
+                                                             params_.mode.z, params_.mode.x, tile_, tolerance_);
             fetches += hit.fetches;
             if (!hit.hit || hit.t >= tfar || shader::window_depth(clip_from_object_, origin + dir * hit.t) > 1.0f) {
                 return tfar;
@@ -126,6 +126,9 @@ ShellParams complete_params(const ShellParams& settings, const Map& map, const g
     check_sdf(map);
     if (settings.mode.x != shader::TRAVERSAL_GDM && settings.mode.x != shader::TRAVERSAL_SDF) {
         throw InvalidArgument("traversal " + std::to_string(settings.mode.x) + " does not exist; choose gdm or sdf");
+    }
+    if (settings.mode.z != shader::FINS_EXACT && settings.mode.z != shader::FINS_PAPER) {
+        throw InvalidArgument("fins " + std::to_string(settings.mode.z) + " do not exist; choose 0 for exact or 1 for the paper's two planes each");
     }
     ShellParams params = settings;
     params.eye_object = glm::vec4(eye_of(clip_from_object));
@@ -225,10 +228,12 @@ std::vector<float> lookup_sdf(const Map& map, std::span<const glm::vec3> pos_tex
     return distances;
 }
 
-std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& origin, const glm::vec3& dir, float t_near)
+std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& origin, const glm::vec3& dir, float t_near,
+                                   bool planes)
 {
     const shader::Prism loaded = shader::prism_of(prism);
-    const shader::PrismPath path = shader::make_prism_path(loaded, origin, dir);
+    shader::PrismPath path = shader::make_prism_path(loaded, origin, dir);
+    path.level = path.level || planes;
     std::vector<PrismSpan> result;
     const auto add = [&](const shader::PrismSpan& span) {
         const shader::PrismSpan seen = shader::clip_span(path, span, t_near);
@@ -236,8 +241,15 @@ std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& or
             result.push_back({seen.t_in, seen.t_out, seen.q_in, seen.q_out});
         }
     };
-    if (path.parallel) {
-        add(shader::parallel_span(loaded, origin, dir));
+    if (planes) {
+        for (shader::PrismSpan span = shader::plane_span(loaded, origin, dir, -std::numeric_limits<float>::max()); span.found;
+             span = shader::plane_span(loaded, origin, dir, span.t_in)) {
+            add(span);
+        }
+        return result;
+    }
+    if (path.level) {
+        add(shader::level_span(loaded, origin, dir, path.level_height));
         return result;
     }
     for (shader::PrismSpan span = shader::next_span(path, -std::numeric_limits<float>::max()); span.found;

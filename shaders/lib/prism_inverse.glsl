@@ -93,43 +93,6 @@ vec3 deeper_place(Prism prism, vec3 pos_object, vec4 c, float low, float high, v
     return place_depth(q) > place_depth(best) ? q : best;
 }
 
-// How the coordinates of a place change with its position: rows of the inverse of the map's Jacobian, row 0 for column 0.
-struct PlaceSlopes {
-    vec3 q0;
-    vec3 q1;
-    vec3 q2;
-    vec3 w;
-};
-
-PlaceSlopes place_slopes(Prism prism, vec3 q)
-{
-    vec3 p_q1 = (prism.base[1] - prism.base[0]) + (prism.director[1] - prism.director[0]) * q.z;
-    vec3 p_q2 = (prism.base[2] - prism.base[0]) + (prism.director[2] - prism.director[0]) * q.z;
-    vec3 p_w = prism.director[0] * (1.0f - q.x - q.y) + prism.director[1] * q.x + prism.director[2] * q.y;
-    float volume = dot(p_q1, cross(p_q2, p_w));
-    float scale = volume != 0.0f ? 1.0f / volume : 0.0f;
-    PlaceSlopes slopes;
-    slopes.q1 = cross(p_q2, p_w) * scale;
-    slopes.q2 = cross(p_w, p_q1) * scale;
-    slopes.q0 = -slopes.q1 - slopes.q2;
-    slopes.w = cross(p_q1, p_q2) * scale;
-    return slopes;
-}
-
-vec3 newton_step(PlaceSlopes slopes, vec3 q, vec3 residual)
-{
-    return q - vec3(dot(slopes.q1, residual), dot(slopes.q2, residual), dot(slopes.w, residual));
-}
-
-// The nearest place inside: what rounding took out comes back.
-vec3 clamp_place(vec3 q)
-{
-    float q1 = max(q.x, 0.0f);
-    float q2 = max(q.y, 0.0f);
-    float sum = max(q1 + q2, 1.0f);
-    return vec3(q1 / sum, q2 / sum, clamp(q.z, 0.0f, 1.0f));
-}
-
 // Object space to prism coordinates, for prisms that do not fold. A point counts as inside where rounding its coordinates may
 // have taken it out.
 PrismPlace place_of_position(Prism prism, vec3 pos_object)

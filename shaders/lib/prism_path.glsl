@@ -18,7 +18,8 @@ struct PrismPath {
     vec3 depth_director;  // its change from w = 0 to w = 1
     vec3 root_a;          // where N_i is zero; 2 for a root that there is not
     vec3 root_b;
-    bool parallel;  // the ray runs along the offset triangles: there is no height to solve for
+    bool level;           // the ray runs along an offset triangle: there is no height to solve for
+    float level_height;   // of that triangle
 };
 
 // One stretch of a ray inside a prism.
@@ -76,6 +77,72 @@ vec2 quadratic_roots(float c0, float c1, float c2)
     return vec2(first, second);
 }
 
+// A ray that lies in the triangle at one height is at all its points there at once: all three numerators vanish. Roots that
+// near one another say nothing about where the ray is.
+const float LEVEL = 1.0e-3f;
+
+// Whether the seen area comes near zero at any height, as it does where all numerators do.
+bool may_be_level(PrismPath path)
+{
+    float bottom = path_area(path, 0.0f);
+    float middle = path_area(path, 0.5f);
+    float top = path_area(path, 1.0f);
+    float bend = path.numerator_2.x + path.numerator_2.y + path.numerator_2.z;
+    vec3 steepness = abs(path.numerator_1) + abs(path.numerator_2) * 2.0f;
+    float steepest = max(steepness.x, max(steepness.y, steepness.z));
+    float nearest = min(abs(middle), min(abs(bottom), abs(top))) - abs(bend) / 16.0f;
+    return nearest <= 3.0f * LEVEL * steepest || bottom * middle <= 0.0f || top * middle <= 0.0f;
+}
+
+// How far the numerators are from all vanishing at a root of one, as a change in height.
+float level_distance(PrismPath path, float w)
+{
+    vec3 n = abs(path_numerators(path, w));
+    vec3 slope = abs(path.numerator_1 + path.numerator_2 * (2.0f * w));
+    vec3 steepness = abs(path.numerator_1) + abs(path.numerator_2) * 2.0f;
+    float steep = max(slope.x, max(slope.y, slope.z));
+    // Where a ray meets the apex of a pyramid they vanish with their slopes.
+    bool flat_there = steep <= 0.01f * max(steepness.x, max(steepness.y, steepness.z));
+    return flat_there || abs(w - 0.5f) > 0.5f + LEVEL ? 2.0f : max(n.x, max(n.y, n.z)) / steep;
+}
+
+// Twice the area of the triangle at height w, squared.
+float area_squared(Prism prism, float w)
+{
+    vec3 p0 = prism.base[0] + prism.director[0] * w;
+    vec3 edge_1 = prism.base[1] + prism.director[1] * w - p0;
+    vec3 edge_2 = prism.base[2] + prism.director[2] * w - p0;
+    vec3 normal = cross(edge_1, edge_2);
+    return dot(normal, normal);
+}
+
+PrismPath find_level(PrismPath path, Prism prism)
+{
+    vec3 distance_a = vec3(level_distance(path, path.root_a.x), level_distance(path, path.root_a.y),
+                           level_distance(path, path.root_a.z));
+    vec3 distance_b = vec3(level_distance(path, path.root_b.x), level_distance(path, path.root_b.y),
+                           level_distance(path, path.root_b.z));
+    float nearest = LEVEL;
+    path.level = false;
+    for (int i = 0; i < 3; ++i) {
+        if (distance_a[i] <= nearest) {
+            nearest = distance_a[i];
+            path.level_height = path.root_a[i];
+            path.level = true;
+        }
+        if (distance_b[i] <= nearest) {
+            nearest = distance_b[i];
+            path.level_height = path.root_b[i];
+            path.level = true;
+        }
+    }
+    path.level_height = clamp(path.level_height, 0.0f, 1.0f);
+    // At the apex of a pyramid they all vanish for any ray.
+    float middle_area = area_squared(prism, 0.5f);
+    path.level = path.level && area_squared(prism, path.level_height) > 1.0e-6f * middle_area;
+    return path;
+}
+
 PrismPath make_prism_path(Prism prism, vec3 origin, vec3 dir)
 {
     // The frame depends on the ray alone, so that neighbors project a shared corner to the same bits.
@@ -104,9 +171,11 @@ PrismPath make_prism_path(Prism prism, vec3 origin, vec3 dir)
     path.root_a = vec3(roots_0.x, roots_1.x, roots_2.x);
     path.root_b = vec3(roots_0.y, roots_1.y, roots_2.y);
 
-    float widest = max(abs(path_area(path, 0.5f)), max(abs(path_area(path, 0.0f)), abs(path_area(path, 1.0f))));
-    vec3 true_area = cross(prism.base[1] - prism.base[0], prism.base[2] - prism.base[0]);
-    path.parallel = widest <= 1.0e-4f * length(true_area);
+    path.level_height = 0.0f;
+    path.level = may_be_level(path);
+    if (path.level) {
+        path = find_level(path, prism);
+    }
     return path;
 }
 
@@ -123,57 +192,56 @@ float next_cut(PrismPath path, float w)
     return nearer_cut(nearer_cut(cut, path.root_a.z, w), path.root_b.z, w);
 }
 
-// A ray that runs along the offset triangles stays at one height: the triangle there is clipped in the ray's own parameter.
-PrismSpan parallel_span(Prism prism, vec3 origin, vec3 dir)
+// The part of a range of ray parameters where value + change * t is not negative; ends cross where there is none.
+vec2 clip_range(vec2 range, float value, float change)
+{
+    float crossing = change != 0.0f ? -value / change : 0.0f;
+    float low = change > 0.0f ? max(range.x, crossing) : range.x;
+    float high = change < 0.0f ? min(range.y, crossing) : range.y;
+    return change == 0.0f && value < 0.0f ? vec2(1.0f, -1.0f) : vec2(low, high);
+}
+
+// How far, in prism coordinates, two prisms share a ray that runs along the edge between them, so that neither loses it.
+const float SHARED_RIM = 5.0e-6f;
+
+// The stretch of a ray that runs along the triangle at height w: clipped in the ray's own parameter, by the map's derivative
+// where the ray comes nearest to the middle of that triangle.
+PrismSpan level_span(Prism prism, vec3 origin, vec3 dir, float w)
 {
     PrismSpan span;
     span.found = false;
     span.last = true;
-    vec3 normal = cross(prism.base[1] - prism.base[0], prism.base[2] - prism.base[0]);
-    vec3 center = (prism.base[0] + prism.base[1] + prism.base[2]) / 3.0f;
+    vec3 middle = vec3(1.0f / 3.0f, 1.0f / 3.0f, w);
+    vec3 center = prism_position(prism, middle);
+    PlaceSlopes slopes = place_slopes(prism, middle);
+    vec3 offset = origin + dir * dot(center - origin, dir) - center;
+    // Again from where the ray comes nearest, as along an edge columns lean otherwise than in the middle.
+    middle = clamp_place(middle + vec3(dot(slopes.q1, offset), dot(slopes.q2, offset), dot(slopes.w, offset)));
+    center = prism_position(prism, middle);
+    slopes = place_slopes(prism, middle);
     float t_center = dot(center - origin, dir);
-    vec3 closest = origin + dir * t_center;
-    vec3 rise = (prism.director[0] + prism.director[1] + prism.director[2]) / 3.0f;
-    float thickness = dot(rise, normal);
-    float w = thickness != 0.0f ? dot(closest - center, normal) / thickness : 2.0f;
-    if (w < 0.0f || w > 1.0f) {
-        return span;
-    }
-    vec3 p0 = prism.base[0] + prism.director[0] * w;
-    vec3 p1 = prism.base[1] + prism.director[1] * w;
-    vec3 p2 = prism.base[2] + prism.director[2] * w;
-    vec3 area_normal = cross(p1 - p0, p2 - p0);
-    float area_squared = dot(area_normal, area_normal);
-    if (area_squared == 0.0f) {
-        return span;
-    }
-    // Weights of the three corner columns along the ray: start + t slope.
-    vec3 to_1 = cross(p2 - p0, area_normal) / area_squared;
-    vec3 to_2 = cross(area_normal, p1 - p0) / area_squared;
-    float start_1 = dot(closest - p0, to_1);
-    float start_2 = dot(closest - p0, to_2);
-    vec3 start = vec3(1.0f - start_1 - start_2, start_1, start_2);
-    vec3 slope = vec3(-dot(dir, to_1) - dot(dir, to_2), dot(dir, to_1), dot(dir, to_2));
-    float t_low = -3.0e38f;
-    float t_high = 3.0e38f;
-    for (int i = 0; i < 3; ++i) {
-        float crossing = slope[i] != 0.0f ? -start[i] / slope[i] : 0.0f;
-        if (slope[i] > 0.0f) {
-            t_low = max(t_low, crossing);
-        } else if (slope[i] < 0.0f) {
-            t_high = min(t_high, crossing);
-        } else if (start[i] < 0.0f) {
-            return span;
-        }
-    }
-    if (t_low >= t_high) {
+    offset = origin + dir * t_center - center;
+    vec4 start = vec4(1.0f - middle.x - middle.y + dot(slopes.q0, offset), middle.x + dot(slopes.q1, offset),
+                      middle.y + dot(slopes.q2, offset), middle.z + dot(slopes.w, offset));
+    vec4 slope = vec4(dot(slopes.q0, dir), dot(slopes.q1, dir), dot(slopes.q2, dir), dot(slopes.w, dir));
+    vec2 range = vec2(-3.0e38f, 3.0e38f);
+    range = clip_range(range, start.x + SHARED_RIM, slope.x);
+    range = clip_range(range, start.y + SHARED_RIM, slope.y);
+    range = clip_range(range, start.z + SHARED_RIM, slope.z);
+    range = clip_range(range, start.w, slope.w);
+    range = clip_range(range, 1.0f - start.w, -slope.w);
+    // A prism without volume bounds nothing.
+    if (range.x >= range.y || range.x == -3.0e38f || range.y == 3.0e38f) {
         return span;
     }
     span.found = true;
-    span.t_in = t_center + t_low;
-    span.t_out = t_center + t_high;
-    span.q_in = vec3(start.y + slope.y * t_low, start.z + slope.z * t_low, w);
-    span.q_out = vec3(start.y + slope.y * t_high, start.z + slope.z * t_high, w);
+    span.t_in = t_center + range.x;
+    span.t_out = t_center + range.y;
+    vec4 q_in = start + slope * range.x;
+    vec4 q_out = start + slope * range.y;
+    // Columns lean otherwise at the ends than in the middle.
+    span.q_in = nearer_place(prism, clamp_place(vec3(q_in.y, q_in.z, q_in.w)), center + offset + dir * range.x);
+    span.q_out = nearer_place(prism, clamp_place(vec3(q_out.y, q_out.z, q_out.w)), center + offset + dir * range.y);
     return span;
 }
 
@@ -248,7 +316,7 @@ PrismSpan clip_span(PrismPath path, PrismSpan span, float t_near)
         span.found = false;
         return span;
     }
-    if (path.parallel) {
+    if (path.level) {
         span.q_in = mix(span.q_in, span.q_out, (t_near - span.t_in) / (span.t_out - span.t_in));
     } else {
         // Height is monotone along a span, but its inverse is a rational function: bisect.

@@ -3,10 +3,15 @@
 #define MESOSHELL_LIB_SHELL_HIT
 
 #include "prism_path.glsl"
+#include "prism_planes.glsl"
 #include "traverse.glsl"
 
 // A ray leaves a prism through a fin and comes back at most once for each fin.
 const int MOST_SPANS = 4;
+
+// How the fins bound a prism: mode.z of the uniform block.
+const int FINS_EXACT = 0;   // bilinear patches
+const int FINS_PAPER = 1;  // two planes each, as in the paper
 
 struct ShellHit {
     bool hit;
@@ -17,7 +22,8 @@ struct ShellHit {
 };
 
 // Rays and prisms are in object space; dir has unit length.
-ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int traversal, Tile tile, Tolerance tolerance)
+ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins, int traversal, Tile tile,
+                     Tolerance tolerance)
 {
     ShellHit result;
     result.hit = false;
@@ -25,10 +31,22 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int trave
     result.q = vec3(0.0f);
     result.pos_texture = vec3(0.0f);
     result.fetches = 0;
-    PrismPath path = make_prism_path(prism, origin, dir);
+    bool planes = fins == FINS_PAPER;
+    PrismPath path;
+    path.level = true;
+    if (!planes) {
+        path = make_prism_path(prism, origin, dir);
+    }
     float t_after = -3.0e38f;
     for (int i = 0; i < MOST_SPANS; ++i) {
-        PrismSpan span = path.parallel ? parallel_span(prism, origin, dir) : next_span(path, t_after);
+        PrismSpan span;
+        if (planes) {
+            span = plane_span(prism, origin, dir, t_after);
+        } else if (path.level) {
+            span = level_span(prism, origin, dir, path.level_height);
+        } else {
+            span = next_span(path, t_after);
+        }
         if (!span.found) {
             break;
         }
@@ -50,7 +68,8 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int trave
             result.hit = true;
             result.q = mix(span.q_in, span.q_out, segment.along);
             result.pos_texture = mix(entry_texture, exit_texture, segment.along);
-            result.t = clamp(dot(prism_position(prism, result.q) - origin, dir), span.t_in, span.t_out);
+            float foot = dot(prism_position(prism, result.q) - origin, dir);
+            result.t = planes ? mix(span.t_in, span.t_out, segment.along) : clamp(foot, span.t_in, span.t_out);
             break;
         }
         if (last) {

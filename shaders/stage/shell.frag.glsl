@@ -11,7 +11,7 @@ void main()
     Tile tile = tile_of(params);
     Prism prism = make_prism(prism_texel_0, prism_texel_1, prism_texel_2, prism_texel_3, prism_texel_4, prism_texel_5,
                              prism_texel_6, prism_texel_7);
-    ShellHit hit = trace_prism(prism, origin, dir, t_near, params.mode.x, tile, tolerance_of(params));
+    ShellHit hit = trace_prism(prism, origin, dir, t_near, params.mode.z, params.mode.x, tile, tolerance_of(params));
     if (!hit.hit) {
         discard;
     }

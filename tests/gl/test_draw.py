@@ -55,6 +55,20 @@ def test_draw_matches_render(gl, native, program, inputs, view, traversal):
     mail_scenes.check_depths(depth, texels[..., 3], picture, mail_scenes.VIEWS[view], traversal)
 
 
+def test_draw_of_the_papers_fins_matches_render(gl, native, program, inputs):
+    record = shader_source.shell_interface().defaults()
+    record["mode"][:3] = 1, 1, 1
+    clip_from_object = mail_scenes.VIEWS["above"]
+    shell, tile_map = mail_scenes.torus_shell(native), mail_scenes.chain_map(native)
+    block = native.shell_params(record.tobytes(), tile_map, clip_from_object)
+    texels, depth = gl.draw_shell(program, shell, inputs, block, clip_from_object, SIZE)
+    picture = native.render(shell, tile_map, clip_from_object=clip_from_object, size=SIZE, settings=record.tobytes())
+    exact = native.render(shell, tile_map, clip_from_object=clip_from_object, size=SIZE)
+    assert ((depth < 1.0) == (picture["hit"] == 1)).mean() >= 0.999
+    mail_scenes.check_depths(depth, texels[..., 3], picture, clip_from_object, "gdm")
+    assert (picture["distance"] != exact["distance"]).mean() > 0.1, "the fins of this shell are flat"
+
+
 def test_depth_is_the_hit_s_own(gl, native, program, inputs):
     view = "above"
     texels, depth = draw(gl, native, program, inputs, view, "sdf", output=1)

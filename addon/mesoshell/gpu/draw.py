@@ -8,13 +8,15 @@ from ..core import native, shader_source
 from . import program, resources
 
 TRAVERSALS = {"gdm": 0, "sdf": 1}
+FINS = {"exact": 0, "paper": 1}  # shaders/lib/shell_hit.glsl
 OUTPUTS = {"color": 0, "texture": 1, "normal": 2}  # shaders/lib/pixel.glsl
 
 
-def settings_record(*, traversal, base_color, lights, world_from_object, output="color"):
+def settings_record(*, traversal, base_color, lights, world_from_object, output="color", fins="exact"):
     """The uniform block before map and view are known: a NumPy record of shaders/interface.toml.
 
     `lights` has toward_sun, sun_color and ambient, linear RGB or world-space [3]; None keeps the defaults.
+    `fins`: "exact" bilinear patches, or "paper", two planes each.
     """
     record = shader_source.shell_interface().defaults()
     normal_matrix = numpy.eye(4)
@@ -25,11 +27,11 @@ def settings_record(*, traversal, base_color, lights, world_from_object, output=
         record["light_world"][:3] = lights.toward_sun
         record["light_color"][:3] = lights.sun_color
         record["ambient_color"][:3] = lights.ambient
-    record["mode"] = (TRAVERSALS[traversal], OUTPUTS[output], 0, 0)
+    record["mode"] = (TRAVERSALS[traversal], OUTPUTS[output], FINS[fins], 0)
     return record
 
 
-def draw_shell(instance, clip_from_world, lights, *, output="color"):
+def draw_shell(instance, clip_from_world, lights, *, output="color", fins="exact"):
     """Draw one ShellInstance (host/shells.py) with depth test and depth write; the state is as before afterwards.
 
     Colors are linear: the viewport's framebuffer encodes sRGB as it is written.
@@ -46,6 +48,7 @@ def draw_shell(instance, clip_from_world, lights, *, output="color"):
         lights=lights,
         world_from_object=world_from_object,
         output=output,
+        fins=fins,
     )
     block = native.module().shell_params(record.tobytes(), instance.map, clip_from_object)
     shader = program.shell_program()

@@ -41,7 +41,7 @@ struct Rendering {
     std::vector<std::int32_t> fetches;  // texture instructions of the pixel's whole ray
 };
 
-// mode.x of the settings chooses the traversal; mode.y is ignored. Throws InvalidArgument; Cancelled.
+// mode.x of the settings chooses the traversal, mode.z the fins; mode.y is ignored. Throws InvalidArgument; Cancelled.
 Rendering render(const Shell& shell, const Map& map, const View& view, const ShellParams& settings, Job& job);
 
 // The shader text's lookup of the compressed GDM: tile widths, one a point. Directions need not be normalized.
@@ -57,7 +57,9 @@ struct PrismSpan {
     glm::vec3 q_in;
     glm::vec3 q_out;
 };
-std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& origin, const glm::vec3& dir, float t_near);
+// With `planes`, inside fins that are two planes each, as in the paper (section 3.2), instead of bilinear patches.
+std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& origin, const glm::vec3& dir, float t_near,
+                                   bool planes = false);
 
 // The maps of a prism as the shader text computes them. Prism coordinates: weights of corners 1 and 2, and height.
 glm::vec3 prism_position(const PrismTexels& prism, const glm::vec3& q);
