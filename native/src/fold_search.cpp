@@ -78,17 +78,18 @@ bool FoldSearch::empty(std::uint32_t prism) const
     return corners(prism).empty();
 }
 
-bool FoldSearch::faces_directors(std::uint32_t prism) const
+std::uint32_t FoldSearch::hidden_directors(std::uint32_t prism) const
 {
     const Triangle t = surface(prism);
-    for (std::size_t i = 0; i < 3; ++i) {
+    std::uint32_t hidden = 0;
+    for (std::uint32_t i = 0; i < 3; ++i) {
         const std::uint32_t vertex = triangles_[prism][static_cast<glm::length_t>(i)];
         if (shell_.thickness[vertex] > 0.0f &&
             determinant_sign({t[0], t[1]}, {t[0], t[2]}, {glm::vec3(0.0f), shell_.directors[vertex]}) <= 0) {
-            return false;
+            hidden |= 1u << i;
         }
     }
-    return true;
+    return hidden;
 }
 
 Triangle FoldSearch::surface(std::uint32_t prism) const
@@ -255,7 +256,10 @@ bool FoldSearch::of_base(std::uint32_t a, std::uint32_t b) const
     const auto listed = [&](const std::vector<glm::uvec2>& pairs) {
         return std::binary_search(pairs.begin(), pairs.end(), pair, ascending);
     };
-    return listed(crossing_surfaces_) || listed(borders_.same_side) || (share_vertex(a, b) && prisms_overlap(a, b, 1.0f / 128.0f));
+    if (listed(crossing_surfaces_) || listed(borders_.same_side)) {
+        return true;
+    }
+    return share_vertex(a, b) && (hopeless(a) || hopeless(b) || prisms_overlap(a, b, 1.0f / 128.0f));
 }
 
 }  // namespace mesoshell

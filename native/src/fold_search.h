@@ -2,8 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -33,8 +32,12 @@ public:
     // Corners as make_table has them, with all thicknesses scaled.
     PrismCorners corners(std::uint32_t prism, float scale = 1.0f) const;
     bool empty(std::uint32_t prism) const;
-    // Whether every director at a corner with a thickness is in front of the surface there: exact.
-    bool faces_directors(std::uint32_t prism) const;
+    // Bit i: the corner i has a thickness, and its director does not lie in front of the prism's triangle. Exact.
+    std::uint32_t hidden_directors(std::uint32_t prism) const;
+
+    // Prisms that stay inverted whatever their thickness: 0 or 1 each, or none at all.
+    void set_hopeless(std::vector<std::uint8_t> hopeless) { hopeless_ = std::move(hopeless); }
+    bool hopeless(std::uint32_t prism) const { return !hopeless_.empty() && hopeless_[prism] != 0; }
 
     // Prisms whose surface triangles cross, and those on the same side of an edge: overlaps that no thickness mends. Ascending.
     const std::vector<glm::uvec2>& crossing_surfaces() const { return crossing_surfaces_; }
@@ -72,6 +75,7 @@ private:
     FoldBorders borders_;
     std::vector<Fin> fins_;
     std::vector<glm::uvec2> crossing_surfaces_;
+    std::vector<std::uint8_t> hopeless_;
 };
 
 }  // namespace mesoshell

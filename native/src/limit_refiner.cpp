@@ -94,30 +94,6 @@ Creases creases_on_faces(const Surface& surface)
     return creases;
 }
 
-// OpenSubdiv counts faces and edges around a vertex, and corners of a face, in 16 bits.
-void check_valences(const Surface& surface)
-{
-    constexpr std::int32_t most = OpenSubdiv::Vtr::VALENCE_LIMIT;
-    const auto too_many = [](const std::string& what, std::int32_t count, const char* of) {
-        return Error(what + " of the surface has " + std::to_string(count) + of + "; subdivision goes up to " + std::to_string(most) +
-                     ", so split it or use levels = 0");
-    };
-    std::vector<std::int32_t> faces(surface.positions.size(), 0);
-    for (const std::int32_t corner : surface.corners) {
-        ++faces[corner];
-    }
-    for (std::size_t vertex = 0; vertex < faces.size(); ++vertex) {
-        if (faces[vertex] >= most) {
-            throw too_many("vertex " + std::to_string(vertex), faces[vertex], " faces");
-        }
-    }
-    for (std::size_t face = 0; face < surface.face_sizes.size(); ++face) {
-        if (surface.face_sizes[face] >= most) {
-            throw too_many("face " + std::to_string(face), surface.face_sizes[face], " corners");
-        }
-    }
-}
-
 }  // namespace
 
 UvTopology share_uvs(const Surface& surface)
@@ -150,13 +126,35 @@ UvTopology share_uvs(const Surface& surface)
     return topology;
 }
 
+void check_valences(const Surface& surface, std::int32_t most, const std::string& limit)
+{
+    const auto refuse = [&](const std::string& what, std::int32_t count, const char* of) {
+        throw Error(what + " of the surface has " + std::to_string(count) + of + ", but " + limit);
+    };
+    std::vector<std::int32_t> faces(surface.positions.size(), 0);
+    for (const std::int32_t corner : surface.corners) {
+        ++faces[corner];
+    }
+    for (std::size_t vertex = 0; vertex < faces.size(); ++vertex) {
+        if (faces[vertex] > most) {
+            refuse("vertex " + std::to_string(vertex), faces[vertex], " faces");
+        }
+    }
+    for (std::size_t face = 0; face < surface.face_sizes.size(); ++face) {
+        if (surface.face_sizes[face] > most) {
+            refuse("face " + std::to_string(face), surface.face_sizes[face], " corners");
+        }
+    }
+}
+
 std::unique_ptr<Far::TopologyRefiner> make_refiner(const Surface& surface, const UvTopology& uvs, const Refinement& refinement)
 {
     if (refinement.scheme == Scheme::loop &&
         std::any_of(surface.face_sizes.begin(), surface.face_sizes.end(), [](std::int32_t n) { return n != 3; })) {
         throw Error("the Loop scheme needs triangles; triangulate the surface or use catmark");
     }
-    check_valences(surface);
+    // OpenSubdiv counts what is around a vertex or a face in 16 bits.
+    check_valences(surface, OpenSubdiv::Vtr::VALENCE_LIMIT - 1, "subdivision takes up to 65534; split it or use levels = 0");
     Far::TopologyDescriptor descriptor;
     descriptor.numVertices = static_cast<int>(surface.positions.size());
     descriptor.numFaces = static_cast<int>(surface.face_sizes.size());

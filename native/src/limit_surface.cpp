@@ -66,10 +66,11 @@ RefinedTopology unrefined(const Surface& surface)
 
 LimitSurface::LimitSurface(const Surface& surface, const Refinement& refinement, Job& job) : vertices_(surface.positions.size())
 {
-    if (refinement.levels == 0) {
+    const bool adaptive = refinement.edge_length > 0.0f || refinement.edge_pixels > 0.0f;
+    if (refinement.levels == 0 && !adaptive) {
         topology_ = unrefined(surface);
     } else {
-        Refined refined = refine_uniformly(surface, refinement, job);
+        Refined refined = adaptive ? refine_adaptively(surface, refinement, job) : refine_uniformly(surface, refinement, job);
         topology_ = std::move(refined.topology);
         evaluator_ = std::move(refined.evaluator);
         sharp_ = CornerFans(topology_.face_sizes, topology_.corners, refined.sharp);

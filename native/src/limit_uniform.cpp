@@ -211,7 +211,7 @@ RefinedTopology last_level(const Far::TopologyRefiner& refiner)
 // A boundary without further creases has one tangent plane at a vertex, and so has a corner of a single face.
 bool has_one_plane(const Far::TopologyLevel& level, int vertex, Scheme scheme)
 {
-    if (scheme == Scheme::bilinear || level.IsVertexNonManifold(vertex)) {
+    if (scheme == Scheme::bilinear || level.IsVertexNonManifold(vertex) || level.GetVertexFaces(vertex).size() == 0) {
         return false;
     }
     switch (level.GetVertexRule(vertex)) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "mesoshell/folds.h"
 #include "shell_rig.h"
 #include "shell_table.h"
 #include "surface_check.h"
@@ -78,6 +79,9 @@ void take_pose(Shell& shell, LimitPoints points, Job& job)
     shell.positions = std::move(points.positions);
     shell.directors = std::move(points.normals);
     shell.tangents = std::move(points.tangents);
+    if (shell.rig->repair) {
+        repair_folds(shell, job);
+    }
     make_table(shell, job);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace mesoshell {
 namespace {
@@ -74,6 +75,28 @@ void check_creases(const Surface& surface)
     }
 }
 
+void check_refinement(const Refinement& refinement)
+{
+    if (refinement.levels < 0 || refinement.levels > 8) {
+        throw InvalidArgument("levels is " + std::to_string(refinement.levels) + "; give 0 to 8");
+    }
+    for (const auto& [name, length] : {std::pair("edge_length", refinement.edge_length), {"edge_pixels", refinement.edge_pixels}}) {
+        if (!(length >= 0.0f) || !std::isfinite(length)) {
+            throw InvalidArgument(std::string(name) + " is " + std::to_string(length) + "; give a positive length, or 0 for none");
+        }
+    }
+    if (refinement.edge_pixels > 0.0f) {
+        if (refinement.screen.x < 1 || refinement.screen.y < 1) {
+            throw InvalidArgument("edge_pixels needs a screen of at least one pixel; give its width and height");
+        }
+        for (int i = 0; i < 16; ++i) {
+            if (!std::isfinite(refinement.clip_from_object[i / 4][i % 4])) {
+                throw InvalidArgument("clip_from_object is not finite; give the camera's projection");
+            }
+        }
+    }
+}
+
 // Prisms before faces without area are left out: a refined face is four of the level before, but an n-gon starts as n quads.
 void check_prism_count(const Surface& surface, const ShellOptions& options)
 {
@@ -97,9 +120,7 @@ void check_surface(const Surface& surface, const ShellOptions& options)
     if (!(options.thickness > 0.0f) || !std::isfinite(options.thickness)) {
         throw InvalidArgument("thickness is " + std::to_string(options.thickness) + "; give a positive length");
     }
-    if (options.refinement.levels < 0 || options.refinement.levels > 8) {
-        throw InvalidArgument("levels is " + std::to_string(options.refinement.levels) + "; give 0 to 8");
-    }
+    check_refinement(options.refinement);
     if (surface.face_sizes.empty()) {
         throw InvalidArgument("the surface has no faces; choose a mesh with faces");
     }
@@ -135,7 +156,9 @@ void check_surface(const Surface& surface, const ShellOptions& options)
     }
     check_normals(surface.normals, surface.positions.size());
     check_creases(surface);
-    check_prism_count(surface, options);
+    if (options.refinement.edge_length == 0.0f && options.refinement.edge_pixels == 0.0f) {  // else counted when edges are known
+        check_prism_count(surface, options);
+    }
 }
 
 void check_pose(const Pose& pose, std::size_t vertices)

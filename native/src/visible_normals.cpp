@@ -65,56 +65,25 @@ glm::dvec3 most_visible_direction(const std::vector<glm::dvec3>& normals)
     return best;
 }
 
-VisibleNormals::VisibleNormals(const Shell& shell) : shell_(shell), first_(shell.positions.size() + 1, 0)
-{
-    const std::vector<glm::uvec3>& triangles = shell.topology->triangles;
-    for (const glm::uvec3& t : triangles) {
-        for (int i = 0; i < 3; ++i) {
-            ++first_[t[i] + 1];
-        }
-    }
-    for (std::size_t v = 1; v < first_.size(); ++v) {
-        first_[v] += first_[v - 1];
-    }
-    prisms_.resize(first_.back());
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t p = 0; p < triangles.size(); ++p) {
-        for (int i = 0; i < 3; ++i) {
-            prisms_[next[triangles[p][i]]++] = static_cast<std::uint32_t>(p);
-        }
-    }
-}
-
-glm::vec3 VisibleNormals::at(std::uint32_t vertex) const
+glm::vec3 most_visible_normal(const Shell& shell, const VertexPrisms& prisms, std::uint32_t vertex)
 {
     std::vector<glm::dvec3> normals;
-    const auto point = [&](std::uint32_t i, int corner) { return shell_.positions[shell_.topology->triangles[prisms_[i]][corner]]; };
-    for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) {
-        const glm::dvec3 a(point(i, 0));
-        const glm::dvec3 normal = glm::cross(glm::dvec3(point(i, 1)) - a, glm::dvec3(point(i, 2)) - a);
+    const auto point = [&](std::uint32_t prism, int corner) { return shell.positions[shell.topology->triangles[prism][corner]]; };
+    for (const std::uint32_t p : prisms.around(vertex)) {
+        const glm::dvec3 a(point(p, 0));
+        const glm::dvec3 normal = glm::cross(glm::dvec3(point(p, 1)) - a, glm::dvec3(point(p, 2)) - a);
         const double size = glm::length(normal);
         if (size > 0.0) {
             normals.push_back(normal / size);
         }
     }
     const glm::vec3 dir(most_visible_direction(normals));
-    for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) {
-        if (determinant_sign({point(i, 0), point(i, 1)}, {point(i, 0), point(i, 2)}, {glm::vec3(0.0f), dir}) <= 0) {
+    for (const std::uint32_t p : prisms.around(vertex)) {
+        if (determinant_sign({point(p, 0), point(p, 1)}, {point(p, 0), point(p, 2)}, {glm::vec3(0.0f), dir}) <= 0) {
             return glm::vec3(0.0f);
         }
     }
     return dir;
-}
-
-bool VisibleNormals::mendable(std::uint32_t prism) const
-{
-    const glm::uvec3& t = shell_.topology->triangles[prism];
-    for (int i = 0; i < 3; ++i) {
-        if (at(t[i]) == glm::vec3(0.0f)) {
-            return false;
-        }
-    }
-    return true;
 }
 
 }  // namespace mesoshell

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "mesoshell/shell.h"
+#include "vertex_prisms.h"
 
 namespace mesoshell {
 
@@ -15,20 +16,8 @@ namespace mesoshell {
 // Zero where no direction has a positive dot product with all of them.
 glm::dvec3 most_visible_direction(const std::vector<glm::dvec3>& normals);
 
-// The same for the vertices of a shell, by the triangles around them.
-class VisibleNormals {
-public:
-    explicit VisibleNormals(const Shell& shell);
-
-    // Zero where there is none: the surface is folded onto itself.
-    glm::vec3 at(std::uint32_t vertex) const;
-    // Whether every corner of a prism has one.
-    bool mendable(std::uint32_t prism) const;
-
-private:
-    const Shell& shell_;
-    std::vector<std::uint32_t> first_;   // one a vertex and one more
-    std::vector<std::uint32_t> prisms_;  // around each vertex
-};
+// The same for a vertex of a shell and the triangles around it. In single precision it is still in front of all of them,
+// exactly, or it is zero: the surface is folded onto itself.
+glm::vec3 most_visible_normal(const Shell& shell, const VertexPrisms& prisms, std::uint32_t vertex);
 
 }  // namespace mesoshell

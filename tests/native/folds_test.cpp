@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "check.h"
-#include "meshes.h"
+#include "fold_meshes.h"
 #include "prism_truth.h"
 
 namespace mesoshell {
@@ -71,24 +70,6 @@ TEST(FindFolds, InwardTorusFoldsBeyondItsTube)
     EXPECT_GT(count(find_folds(mesh.shell(0.65f)).intersecting), 0u);
 }
 
-// Two unit squares with one edge apart, that face each other at a distance.
-SurfaceMesh facing_plates(float distance, int cells)
-{
-    SurfaceMesh mesh = flat_grid(cells, cells, 1.0f, 1.0f);
-    const SurfaceMesh low = mesh;
-    const auto offset = static_cast<std::int32_t>(mesh.positions.size());
-    for (const glm::vec3& p : low.positions) {
-        mesh.positions.emplace_back(p.x, 1.0f - p.y, distance);
-    }
-    for (std::size_t i = 0; i < low.corners.size(); ++i) {
-        mesh.corners.push_back(low.corners[i] + offset);
-        mesh.uvs.push_back(low.uvs[i]);
-    }
-    mesh.face_sizes.insert(mesh.face_sizes.end(), low.face_sizes.begin(), low.face_sizes.end());
-    mesh.normals.clear();
-    return mesh;
-}
-
 TEST(FindFolds, FacingPlatesTouchAtHalfTheirDistance)
 {
     for (const int cells : {1, 4}) {
@@ -105,18 +86,6 @@ TEST(FindFolds, FacingPlatesTouchAtHalfTheirDistance)
 // Two plates that meet at a concave angle: the bisector of the angle is the director along the crease, so that the prisms'
 // columns end on the plane between the plates there. `arm` beyond the crease a plate is as thick as its distance from that plane
 // at a thickness of arm tan(angle / 2).
-SurfaceMesh valley(float angle, int cells)
-{
-    SurfaceMesh mesh = flat_grid(2 * cells, cells, 2.0f, 1.0f);
-    const float half = 0.5f * angle;
-    for (glm::vec3& p : mesh.positions) {
-        const float arm = p.x - 1.0f;
-        p = glm::vec3(arm * std::sin(half), p.y, std::abs(arm) * std::cos(half));
-    }
-    mesh.normals.clear();
-    return mesh;
-}
-
 TEST(FindFolds, ValleysFoldWhereTheNextColumnsMeet)
 {
     // One cell on each side: the only columns off the crease stand at a distance of 1 from it.
@@ -183,18 +152,6 @@ TEST(FindFolds, ThreeSheetsAtAnEdge)
     const Folds folds = find_folds(mesh.shell(0.1f));
     EXPECT_GT(count(folds.base), 1u);
     EXPECT_GT(count(folds.intersecting), 1u);
-}
-
-SurfaceMesh bumpy(int levels, float amount, unsigned seed)
-{
-    SurfaceMesh mesh = round_octahedron(levels);
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<float> any(1.0f - amount, 1.0f + amount);
-    for (glm::vec3& p : mesh.positions) {
-        p *= any(random);
-    }
-    mesh.normals.clear();
-    return mesh;
 }
 
 bool share_vertex(const Shell& shell, std::size_t p, std::size_t q)
