@@ -96,6 +96,24 @@ def test_what_stands_still_is_left_alone(shells, fresh, counted, map_file):
     assert counted == {"build_shell": 1, "update_shell": 0}
 
 
+def test_an_object_that_turns_keeps_its_shell(shells, fresh, counted, map_file):
+    """Lengths in the scene are those of its scale alone, to which a rotation adds rounding."""
+    grid = scenes.make_grid("Sheet", 2)
+    grid.scale = (1.5, 2.5, 0.75)
+    for frame, angle in ((1, 0.0), (40, 3.0)):
+        grid.rotation_euler = (angle, 0.7 * angle, 0.4 * angle)
+        grid.keyframe_insert("rotation_euler", frame=frame)
+    add(grid, map_file, placement='METER', refine='LENGTH', edge_length=0.3, scheme="bilinear")
+    for frame in range(1, 40, 3):
+        at(frame, shells)
+    assert counted["build_shell"] == 1
+    grid.animation_data_clear()
+    grid.scale = (3.0, 5.0, 1.5)
+    bpy.context.view_layer.update()
+    shells.visible(bpy.context.evaluated_depsgraph_get())
+    assert counted["build_shell"] == 2
+
+
 def test_what_changes_besides_positions_builds_anew(shells, fresh, counted, map_file):
     """UVs, the part and the topology of a mesh that is edited; moved vertices alone do not."""
     grid = scenes.make_grid("Sheet", 4)

@@ -152,6 +152,11 @@ def test_thickness_follows_an_image(instance_of, shells, fresh):
     inside = np.abs(low[:, 0] - 1.0) < 0.9  # images repeat, so that borders blend with the other side
     inside &= np.abs(low[:, 0] - 1.0) > 0.1
     np.testing.assert_allclose((high[:, 2] - low[:, 2])[inside], np.where(low[inside, 0] < 1.0, 0.025, 0.075), atol=1e-6)
+    pixels[..., 0] = 0.5
+    image.pixels.foreach_set(pixels.ravel())
+    image.update_tag()
+    low, high = base(now(shells).shell)
+    np.testing.assert_allclose(high[:, 2] - low[:, 2], 0.05, atol=1e-6)
     grid.mesoshell.thickness_image = None
     low, high = base(now(shells).shell)
     np.testing.assert_allclose(high[:, 2] - low[:, 2], 0.1, atol=1e-6)

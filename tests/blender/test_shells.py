@@ -347,6 +347,7 @@ def test_a_saved_file_keeps_it_all(map_file, tmp_path):
     found = json.loads(found_path.read_text())
     assert found["tile"] == pytest.approx([1, scenes.WIDTH, scenes.WIDTH * scenes.ASPECT, scenes.WIDTH * scenes.HEIGHT])
     assert found["shell"] == [True, "//mail.gdm.exr", 0.125, 2, "bilinear", 6.0, 3.0, "gdm", [0.25, 0.5, 0.75]]
+    assert found["options"] == [] and found["others"] == [[0.25, 0.5], "Thick", True]
     assert found["bake"] == ["SphereTile", [8, 9, 10], [4, 6], [12, 13, 14], 5, "float", "//mail.gdm.exr"]
     assert found["after_new_file"] == []
     assert found["after_load"] == ["MailTorus"]

@@ -89,7 +89,7 @@ def expected(part, native, instance, objects, clip_from_world, region):
                           size=size, settings=record.tobytes())
     solid = np.full(size[::-1], np.inf)
     for obj in objects:
-        mesh = obj.data
+        mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         mesh.calc_loop_triangles()
         points = np.array([obj.matrix_world @ v.co for v in mesh.vertices], np.float32)
         triangles = np.array([t.vertices[:] for t in mesh.loop_triangles])
@@ -210,7 +210,7 @@ def test_playback_draws_the_moved_shell(part, native, view, mail):
             clip_from_world = look(space, region, (2.6, -2.7, 2.4))
             instance, = part("host.shells").visible(bpy.context.evaluated_depsgraph_get(), space)
             shown = x11_screen.region(region)
-            color, before, _behind = expected(part, native, instance, [cube], clip_from_world, region)
+            color, before, _behind = expected(part, native, instance, [torus, cube], clip_from_world, region)
             assert before.sum() > 5000
             lift = scenes.bone_motion(rig)[2, 3]
             assert np.asarray(instance.shell.bounds)[1, 2] > 0.6 + lift

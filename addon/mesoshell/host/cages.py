@@ -53,11 +53,11 @@ def mesh_of(obj, depsgraph, *, cage=False, layers=False):
     `layers` asks for what Blender leaves out of evaluated meshes where it needs it not, such as vertex groups.
     """
     evaluated = _evaluated(obj, depsgraph)
-    if cage and obj.data.is_editmode or cage and _is_its_own_cage(obj, depsgraph):
+    switched_off = _trailing(obj, depsgraph) if cage else []
+    if cage and obj.data.is_editmode or _is_at_rest(obj, depsgraph, switched_off):
         with rest_mesh(obj) as mesh:
             yield mesh
         return
-    switched_off = _trailing(obj, depsgraph) if cage else []
     flags = _flags(evaluated, depsgraph)
     keep_all = layers and bool(obj.modifiers) and not obj.data.is_editmode
     try:
@@ -124,8 +124,8 @@ def _trailing(obj, depsgraph):
     return trailing
 
 
-def _is_its_own_cage(obj, depsgraph):
-    """Whether nothing but subdivision shapes an object, so that the cage is its mesh."""
-    trailing = _trailing(obj, depsgraph)
-    others = sum(_flags(obj, depsgraph)) - sum(getattr(modifier, _flag_name(depsgraph)) for modifier in trailing)
-    return others == 0 and obj.data.shape_keys is None and obj.data.animation_data is None
+def _is_at_rest(obj, depsgraph, switched_off):
+    """Whether nothing but the modifiers `switched_off` shapes an object, so that its own mesh need not be copied."""
+    others = sum(_flags(obj, depsgraph)) - sum(getattr(modifier, _flag_name(depsgraph)) for modifier in switched_off)
+    mesh = obj.data
+    return others == 0 and not mesh.is_editmode and mesh.shape_keys is None and mesh.animation_data is None

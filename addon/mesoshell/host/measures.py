@@ -20,25 +20,30 @@ class Fit(NamedTuple):
     uv_scale: tuple  # tiles per UV unit, along u and v
 
 
-def fit(obj, surface, *, thickness, tiles, rotation, world_from_object, meters, tile_height):
+def fit(obj, surface, *, thickness, tiles, rotation, metric, tile_height):
     """The Fit of a surface (SurfaceArrays). UvProblem where it must be measured and its UVs have no area.
 
-    thickness          None: tile_height tile widths
-    tiles              per UV unit, or per meter where `meters` is not None
-    world_from_object  [3, 3], without translation; meters of a world unit
+    thickness  None: tile_height tile widths
+    tiles      per UV unit, or per meter where `metric` is not None
+    metric     [3, 3], squares of lengths in meters of vectors in object space
     """
-    if thickness is not None and meters is None:
+    if thickness is not None and metric is None:
         return Fit(thickness, tuple(tiles))
     positions, corners, face_sizes, uvs = _at_rest(obj, surface)
-    if meters is not None:
-        linear = np.asarray(world_from_object, np.float64) * meters
-        lengths = mean_unit_lengths(positions @ linear.T, face_sizes, corners, uvs, obj.name)
+    if metric is not None:
+        lengths = mean_unit_lengths(positions @ _root(metric), face_sizes, corners, uvs, obj.name)
         tiles = tuple(np.float32(count * length) for count, length in zip(tiles, lengths))
     if thickness is None:
         cosine, sine = np.cos(rotation), np.sin(rotation)
         placed = (uvs * np.asarray(tiles, np.float64)) @ np.array([[cosine, sine], [-sine, cosine]])
         thickness = tile_height * mean_unit_lengths(positions, face_sizes, corners, placed, obj.name)[0]
     return Fit(float(np.float32(thickness)), tuple(float(count) for count in tiles))
+
+
+def _root(metric):
+    """The symmetric matrix whose square is `metric`."""
+    values, vectors = np.linalg.eigh(metric)
+    return vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
 
 
 def mean_unit_lengths(positions, face_sizes, corners, uvs, name):

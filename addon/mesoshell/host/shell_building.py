@@ -60,9 +60,8 @@ def surface_arguments(surface):
 
 
 def _fit(obj, surface, key, tile_map):
-    world_from_object, meters = (None, None) if key.linear is None else (np.reshape(key.linear[0], (3, 3)), key.linear[1])
     return measures.fit(obj, surface, thickness=key.thickness, tiles=key.tiles, rotation=key.uv_rotation,
-                        world_from_object=world_from_object, meters=meters, tile_height=tile_map.height)
+                        metric=None if key.metric is None else np.reshape(key.metric, (3, 3)), tile_height=tile_map.height)
 
 
 def _same(before, now):

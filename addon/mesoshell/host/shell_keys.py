@@ -29,7 +29,7 @@ class BuildKey(NamedTuple):
     tiles: tuple  # per UV unit, or per meter
     uv_rotation: float
     uv_offset: tuple
-    linear: tuple  # where tiles are per meter: world_from_object [3, 3] by rows, and meters of a world unit
+    metric: tuple  # where tiles are per meter: squares of lengths in meters, as a matrix [3, 3] by rows of object space
 
 
 _image_versions = {}  # image key -> how often its pixels changed
@@ -53,7 +53,7 @@ def read(obj, depsgraph, value, *, map_path, thickness, image):
     refined = _subdivision(obj, depsgraph, value)
     edge_length, edge_pixels, clip_from_object, screen = 0.0, 0.0, None, None
     if value("refine") == 'LENGTH':
-        edge_length = value("edge_length") / _scale(obj, depsgraph)
+        edge_length = _rounded(value("edge_length") / _scale(obj, depsgraph))
     elif value("refine") == 'SCREEN':
         edge_pixels = value("edge_pixels")
         clip_from_object, screen = _seen_by_camera(obj, depsgraph)
@@ -66,15 +66,12 @@ def read(obj, depsgraph, value, *, map_path, thickness, image):
         cage=value("surface") == 'CAGE', triangulate=refined.scheme == "loop", polygons=refines,
         creases=refines and refined.creases, normals=not refines, part=part,
         part_name=value("part_name") if part != 'ALL' else "", group=value("thickness_group"))
-    linear = None
-    if value("placement") == 'METER':
-        matrix = np.array(obj.evaluated_get(depsgraph).matrix_world, np.float64)[:3, :3]
-        linear = (tuple(matrix.ravel()), depsgraph.scene.unit_settings.scale_length)
+    metric = _metric(obj, depsgraph) if value("placement") == 'METER' else None
     return BuildKey(
         map_cache.file_state(paths.absolute(map_path, obj)), reading, thickness, refined.levels, refined.scheme,
         refined.boundary, refined.uv_rule, edge_length, edge_pixels, clip_from_object, screen, _image(image),
         value("offset"), value("smooth_directors"), value("repair"), value("relax"), (value("tiles_u"), value("tiles_v")),
-        value("uv_rotation"), tuple(value("uv_offset")), linear)
+        value("uv_rotation"), tuple(value("uv_offset")), metric)
 
 
 def of_object(obj, depsgraph):
@@ -98,6 +95,19 @@ def _scale(obj, depsgraph):
     if volume == 0.0:
         raise ValueError(f'"{obj.name}" is scaled to nothing, so that no length can be measured on it: set its scale')
     return float(np.cbrt(volume))
+
+
+def _metric(obj, depsgraph):
+    """Squares of lengths in meters, of vectors in object space: world_from_object's transpose times itself, by rows."""
+    linear = np.array(obj.evaluated_get(depsgraph).matrix_world, np.float64)[:3, :3]
+    metric = linear.T @ linear * depsgraph.scene.unit_settings.scale_length ** 2
+    largest = _rounded(np.abs(metric).max())
+    return tuple(largest * round(value, 5) for value in (metric / (largest or 1.0)).ravel())
+
+
+def _rounded(value):
+    """To five digits: an object that turns keeps its measures but for the last ones, and its shell need not be built again."""
+    return float(f"{value:.5g}")
 
 
 def _seen_by_camera(obj, depsgraph):

@@ -48,6 +48,7 @@ def corner_normals(mesh):
     else:
         mesh.calc_normals_split()
         mesh.loops.foreach_get("normal", normals)
+        mesh.free_normals_split()
     return normals.reshape(-1, 3)
 
 

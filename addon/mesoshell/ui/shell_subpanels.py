@@ -115,7 +115,7 @@ class MESOSHELL_PT_shell_overlays(ShellPanel, bpy.types.Panel):
         for shown, colors in (("show_prisms", ("prism_color",)), ("show_folds", ("fold_color", "base_fold_color")),
                               ("show_seams", ("seam_color",)),
                               ("show_stretch", ("low_color", "even_color", "high_color"))):
-            row = layout.row(align=True)
+            row = layout.split(factor=0.5)
             row.use_property_split = False
             row.prop(settings, shown)
             swatches = row.row(align=True)
@@ -144,7 +144,7 @@ def _figures(report):
     if report.without_area:
         yield "No UV area", f"{report.without_area:,}", True
     yield "Worst stretch", f"{report.worst_stretch:.3g} ×", report.worst_stretch > 2.0
-    yield "Worst angle", f"{math.degrees(report.worst_angle):.0f}°", report.worst_angle > math.radians(45.0)
+    yield "Worst skew", f"{math.degrees(report.worst_angle):.0f}°", report.worst_angle > math.radians(45.0)
 
 
 def _legend(settings):

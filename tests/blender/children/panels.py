@@ -18,7 +18,8 @@ import session  # noqa: E402
 
 map_file, folder, result = sys.argv[sys.argv.index("--") + 1:]
 session.module_name = session.enable(os.environ["MESOSHELL_TEST_PACKAGE"])
-bake_state, jobs, shells = (session.part(name) for name in ("host.bake_state", "core.jobs", "host.shells"))
+bake_state, jobs, shells, shell_options = (session.part(name) for name in (
+    "host.bake_state", "core.jobs", "host.shells", "host.shell_options"))
 bpy.context.preferences.view.show_splash = False
 CLASSES = [*session.part("ui.bake_panel").CLASSES, *session.part("ui.shell_panel").CLASSES]
 OF_SHELLS = [*session.part("ui.shell_panel").CLASSES, *session.part("ui.shell_subpanels").CLASSES]
@@ -53,7 +54,7 @@ def show(name, classes=CLASSES):
 
 
 def states():
-    for cls in CLASSES:
+    for cls in [*CLASSES, *OF_SHELLS[1:]]:
         watch(cls)
     settings, view_layer = bpy.context.scene.mesoshell, bpy.context.view_layer
     view_layer.objects.active = None
@@ -71,9 +72,18 @@ def states():
     bpy.ops.mesoshell.add_shell(object="MailTorus", filepath=map_file)
     shells.visible(bpy.context.evaluated_depsgraph_get())
     show("a shell")
+    torus.hide_set(True)  # to draw it takes longer than all panels
+    show_shells(torus)
     torus.mesoshell.map_path = os.path.join(folder, "lost.exr")
+    shells.one(torus, bpy.context.evaluated_depsgraph_get())
+    show("a shell that lost its map", OF_SHELLS)
+    bare = scenes.make_object("Bare", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [[0, 1, 2]])
+    view_layer.objects.active = bare
+    show("a surface without UVs", OF_SHELLS[:1])
+    bare.mesoshell.map_path, bare.mesoshell.enabled = map_file, True
+    view_layer.update()
     shells.visible(bpy.context.evaluated_depsgraph_get())
-    show("a shell that lost its map")
+    show("a shell without UVs", OF_SHELLS)
 
 
 def show_sources(settings):
@@ -96,6 +106,28 @@ def show_sources(settings):
     settings.source = 'OBJECT'
     show("an object that can not be blended", OF_SOURCES)
     settings.periodic = 'NONE'
+
+
+def show_shells(torus):
+    """Each choice of a shell's has fields of its own; so has each overlay, and what was found."""
+    settings, overlays = torus.mesoshell, bpy.context.scene.mesoshell_overlays
+    for name, items in (("part", shell_options.PARTS), ("refine", shell_options.REFINEMENTS),
+                        ("subdivision", shell_options.SUBDIVISIONS)):
+        default = getattr(settings, name)
+        for identifier, *_ in items:
+            setattr(settings, name, identifier)
+            show(f"a shell whose {name} is {identifier}", OF_SHELLS[1:2])
+        setattr(settings, name, default)
+    settings.fit_thickness = True
+    show("a shell that fits its tile", OF_SHELLS[:1])
+    settings.fit_thickness = False
+    bpy.ops.mesoshell.check_shell(object=torus.name)
+    show("a shell that was checked", OF_SHELLS)
+    for name in ("show_prisms", "show_folds", "show_seams", "show_stretch"):
+        setattr(overlays, name, True)
+    overlays.measure = "angle"
+    show("a shell under all overlays", OF_SHELLS)
+    bpy.context.scene.property_unset("mesoshell_overlays")
 
 
 def until_cancelled(progress):

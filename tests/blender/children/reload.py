@@ -33,6 +33,16 @@ bpy.context.view_layer.update()
 bpy.ops.mesoshell.add_shell(object="MailTorus", filepath="//mail.gdm.exr", thickness=0.125, levels=2, scheme="bilinear",
                             tiles_u=6.0, tiles_v=3.0, traversal="gdm")
 torus.mesoshell.base_color = (0.25, 0.5, 0.75)
+OPTIONS = dict(surface='CAGE', subdivision='OWN', refine='LENGTH', most_levels=3, edge_length=0.5, edge_pixels=8.0,
+               boundary="edges", uv_rule="linear", use_creases=False, part='ATTRIBUTE', part_name="mark", offset="inward",
+               fit_thickness=True, thickness_group="Thick", smooth_directors=2, repair=True, relax=3, fins="paper",
+               placement='METER', uv_rotation=0.5)
+other = scenes.make_plane("Other")
+for name, value in OPTIONS.items():
+    setattr(other.mesoshell, name, value)
+other.mesoshell.uv_offset = (0.25, 0.5)
+other.mesoshell.thickness_image = bpy.data.images.new("Thick", 4, 4)
+bpy.context.scene.mesoshell_overlays.show_folds = True
 bake = bpy.context.scene.mesoshell
 bake.tile, bake.resolution, bake.directions, bake.sdf_resolution = tile, (8, 9, 10), (4, 6), (12, 13, 14)
 bake.terms, bake.precision, bake.output_path = 5, "float", "//mail.gdm.exr"
@@ -50,6 +60,9 @@ found["problem"] = shells.problem(bpy.data.objects["MailTorus"])
 found["tile"] = [tile.is_tile, tile.period_u, tile.period_v, tile.height]
 found["shell"] = [torus.enabled, torus.map_path, torus.thickness, torus.levels, torus.scheme, torus.tiles_u,
                   torus.tiles_v, torus.traversal, list(torus.base_color)]
+other = bpy.data.objects["Other"].mesoshell
+found["options"] = [name for name, value in OPTIONS.items() if getattr(other, name) != value]
+found["others"] = [list(other.uv_offset), other.thickness_image.name, bpy.context.scene.mesoshell_overlays.show_folds]
 bake = bpy.context.scene.mesoshell
 found["bake"] = [bake.tile.name, list(bake.resolution), list(bake.directions), list(bake.sdf_resolution), bake.terms,
                  bake.precision, bake.output_path]
