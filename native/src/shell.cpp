@@ -6,6 +6,7 @@
 #include "extrusion.h"
 #include "limit_surface.h"
 #include "placement.h"
+#include "relax.h"
 #include "shell_table.h"
 #include "surface_check.h"
 #include "thickness.h"
@@ -106,6 +107,7 @@ Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
     shell.shift = options.shift;
     const FaceLists faces{refined.face_sizes, refined.corners, refined.faces, options.covered};
     smooth_directors(shell.directors, shell.positions, shell.topology->triangles, faces, options.director_smoothing, job);
+    relax_top_uvs(shell, options.relax_steps, job);
     make_table(shell, job);
     return shell;
 }
