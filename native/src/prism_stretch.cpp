@@ -166,9 +166,15 @@ StretchSlope PrismStretch::slope(double inverse_aspect_2, double inverse_height_
             const glm::dvec2 tall = glm::transpose(here.axes) * along;
             slope.sum[i] += weight * (flat + tall * inverse_height_2);
             slope.tiles[i] += weight * 0.5 * std::abs(here.area) * w * here.gradients[i];
-            const double steep = glm::dot(here.gradients[i], metric * here.gradients[i]);
-            const double upright = (here.span() + 2.0 * here.spans[i]) / 30.0;
-            slope.bend[i] += gram * (weight * (4.0 * w * w * volume * steep + upright * inverse_height_2));
+            // Gauss and Newton: what the changes of axes and of dP/dw, squared, add. The axes also bend themselves, twice as much.
+            const int next = (i + 1) % 3;
+            const auto bend = [&](int j) {
+                const double steep = 4.0 * w * w * volume * glm::dot(here.gradients[i], metric * here.gradients[j]);
+                const double upright = here.span() + here.spans[i] + here.spans[j] + (i == j ? here.span() + 2.0 * here.spans[i] : 0.0);
+                return glm::mat2(gram * (weight * (steep + upright * inverse_height_2 / 60.0)));
+            };
+            slope.bend[i] += bend(i);
+            slope.bend_next[i] += bend(next);
         }
     }
     return slope;

@@ -33,7 +33,9 @@ struct StretchIntegrals {
 struct StretchSlope {
     std::array<glm::dvec2, 3> sum{};    // derivative by each corner's top UV
     std::array<glm::dvec2, 3> tiles{};
-    std::array<glm::dmat2, 3> bend{};   // positive definite, about the second derivative of the sum
+    // About the second derivatives of the sum, positive semidefinite as a whole: by corners i and i, then by i and i + 1.
+    std::array<glm::mat2, 3> bend{};
+    std::array<glm::mat2, 3> bend_next{};
 };
 
 class PrismStretch {

@@ -1,6 +1,7 @@
 #include "relax.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -16,6 +17,9 @@ namespace {
 
 constexpr std::size_t items_per_task = 2048;
 constexpr int halvings = 12;
+
+// Of the linear system of one step. About thickness over edge length many are needed.
+constexpr int most_inner_steps = 100;
 
 // A step that promises less of the total's logarithm than this is rounding.
 constexpr double least_gain = 1e-9;
@@ -108,7 +112,7 @@ public:
     }
 
 private:
-    // One a group: against the rise of the logarithm of the total squared, and that divided by its bend.
+    // One a group: against the rise of the logarithm of the total squared, and the step to where that would end.
     struct Slopes {
         std::vector<glm::dvec2> slope;
         std::vector<glm::dvec2> downhill;
@@ -210,6 +214,7 @@ private:
             }
         });
         Slopes slopes{std::vector<glm::dvec2>(group_count_), std::vector<glm::dvec2>(group_count_)};
+        std::vector<glm::dmat2> unbend(group_count_, glm::dmat2(0.0));
         for_all(group_count_, [&](std::size_t, std::size_t first, std::size_t last) {
             for (std::size_t g = first; g < last; ++g) {
                 glm::dvec2 rise(0.0);
@@ -217,16 +222,64 @@ private:
                 for (const std::uint32_t corner : corners_->of(g)) {
                     const StretchSlope& prism = by_prism[corner / 3];
                     rise += prism.sum[corner % 3] / sum() + prism.tiles[corner % 3] * (2.0 / 3.0 / sums_.tiles);
-                    bend += prism.bend[corner % 3];
+                    bend += glm::dmat2(prism.bend[corner % 3]);
                 }
                 const double determinant = glm::determinant(bend);
                 if (!held_[g] && determinant > 0.0 && std::isfinite(determinant)) {
                     slopes.slope[g] = -rise;
-                    slopes.downhill[g] = glm::inverse(bend) * -rise * sum();
+                    unbend[g] = glm::inverse(bend);
                 }
             }
         });
+        solve(by_prism, unbend, slopes);
         return slopes;
+    }
+
+    // downhill = slope / bend, by conjugate gradients to a twentieth: more is lost on a model of the total.
+    void solve(const std::vector<StretchSlope>& by_prism, const std::vector<glm::dmat2>& unbend, Slopes& slopes) const
+    {
+        std::vector<glm::dvec2> rest(group_count_);
+        std::vector<glm::dvec2> ready(group_count_);
+        std::vector<glm::dvec2> bent(group_count_);
+        std::vector<std::array<glm::dvec2, 3>> by_corner(prisms_.size(), std::array<glm::dvec2, 3>{});
+        for (std::size_t g = 0; g < group_count_; ++g) {
+            rest[g] = slopes.slope[g] * sum();
+            ready[g] = unbend[g] * rest[g];
+        }
+        std::vector<glm::dvec2> way = ready;
+        double left = dot(rest, ready);
+        const double enough = 0.0025 * left;
+        for (int i = 0; i < most_inner_steps && left > enough; ++i) {
+            for_all(prisms_.size(), [&](std::size_t, std::size_t first, std::size_t last) {
+                for (std::size_t p = first; p < last; ++p) {
+                    const StretchSlope& prism = by_prism[p];
+                    const glm::dvec2 x[3] = {way[corner_groups_[3 * p]], way[corner_groups_[3 * p + 1]], way[corner_groups_[3 * p + 2]]};
+                    for (int k = 0; k < 3; ++k) {
+                        by_corner[p][k] = glm::dmat2(prism.bend[k]) * x[k] + glm::dmat2(prism.bend_next[k]) * x[(k + 1) % 3] +
+                                          glm::dmat2(prism.bend_next[(k + 2) % 3]) * x[(k + 2) % 3];
+                    }
+                }
+            });
+            for_all(group_count_, [&](std::size_t, std::size_t first, std::size_t last) {
+                for (std::size_t g = first; g < last; ++g) {
+                    bent[g] = glm::dvec2(0.0);
+                    for (const std::uint32_t corner : corners_->of(g)) {
+                        bent[g] += by_corner[corner / 3][corner % 3];
+                    }
+                }
+            });
+            const double length = left / dot(way, bent);
+            for (std::size_t g = 0; g < group_count_; ++g) {
+                slopes.downhill[g] += way[g] * length;
+                rest[g] -= bent[g] * length;
+                ready[g] = unbend[g] * rest[g];  // 0 where held
+            }
+            const double now = dot(rest, ready);
+            for (std::size_t g = 0; g < group_count_; ++g) {
+                way[g] = ready[g] + way[g] * (now / left);
+            }
+            left = now;
+        }
     }
 
     const Shell& shell_;

@@ -81,6 +81,16 @@ TEST(Relax, TotalFallsStepByStep)
     }
 }
 
+TEST(Relax, FineShellsNeedNoMoreSteps)
+{
+    double gains[2];
+    for (const int fineness : {1, 3}) {
+        const Shell shell = vase(48 * fineness, 32 * fineness).shell(0.1f);
+        gains[fineness / 3] = stretch(shell).total - stretch(relaxed(shell, 8)).total;
+    }
+    EXPECT_NEAR(gains[1], gains[0], 0.05 * gains[0]);
+}
+
 TEST(Relax, EndsWhereNoMoveGains)
 {
     // Waves of many lengths and directions, small and large, all over the top: none lowers the total of a relaxed torus, whose UVs
