@@ -197,9 +197,25 @@ std::array<Patch, 4> quarters(const Patch& p)
             Patch{sides[3], center, sides[2], p[3]}};
 }
 
+// Whether the bounds of two sets of points overlap.
+template <typename Points, typename OtherPoints>
+bool boxes_overlap(const Points& a, const OtherPoints& b)
+{
+    glm::vec3 lower_a = a[0], upper_a = a[0], lower_b = b[0], upper_b = b[0];
+    for (const glm::vec3& p : a) {
+        lower_a = glm::min(lower_a, p);
+        upper_a = glm::max(upper_a, p);
+    }
+    for (const glm::vec3& p : b) {
+        lower_b = glm::min(lower_b, p);
+        upper_b = glm::max(upper_b, p);
+    }
+    return glm::all(glm::lessThanEqual(lower_a, upper_b)) && glm::all(glm::lessThanEqual(lower_b, upper_a));
+}
+
 bool parts_cross(const Patch& a, int halvings, const Triangle& b, Inside inside_b)
 {
-    if (!hulls_cross(hull_of(a), b, inside_b)) {
+    if (!boxes_overlap(a, b) || !hulls_cross(hull_of(a), b, inside_b)) {
         return false;
     }
     if (halvings == 0) {
@@ -211,7 +227,7 @@ bool parts_cross(const Patch& a, int halvings, const Triangle& b, Inside inside_
 
 bool parts_cross(const Patch& a, int halvings_a, const Patch& b, int halvings_b)
 {
-    if (!hulls_cross(hull_of(a), hull_of(b))) {
+    if (!boxes_overlap(a, b) || !hulls_cross(hull_of(a), hull_of(b))) {
         return false;
     }
     if (halvings_a == 0 && halvings_b == 0) {

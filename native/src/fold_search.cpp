@@ -124,12 +124,13 @@ void FoldSearch::cross_surfaces(Job& job)
     std::sort(crossing_surfaces_.begin(), crossing_surfaces_.end(), ascending);
 }
 
-void FoldSearch::make_pieces(bool all_fins)
+void FoldSearch::make_pieces(const std::vector<std::uint8_t>& inverted)
 {
+    const auto is_inverted = [&](std::uint32_t prism) { return !inverted.empty() && inverted[prism] != 0; };
     fins_.clear();
     for (std::uint32_t prism = 0; prism < prisms(); ++prism) {
         for (std::uint32_t side = 0; side < 3; ++side) {
-            if (all_fins || is_border({prism, side})) {
+            if (is_border({prism, side}) || is_inverted(prism) || is_inverted(neighbor(prism, side))) {
                 fins_.push_back({prism, side});
             }
         }
@@ -259,7 +260,7 @@ bool FoldSearch::of_base(std::uint32_t a, std::uint32_t b) const
     if (listed(crossing_surfaces_) || listed(borders_.same_side)) {
         return true;
     }
-    return share_vertex(a, b) && (hopeless(a) || hopeless(b) || prisms_overlap(a, b, 1.0f / 128.0f));
+    return share_vertex(a, b) && prisms_overlap(a, b, 1.0f / 128.0f);
 }
 
 }  // namespace mesoshell

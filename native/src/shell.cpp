@@ -86,6 +86,7 @@ Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
     shell.positions = std::move(refined.positions);
     shell.directors = std::move(refined.normals);
     shell.thickness.assign(shell.positions.size(), options.thickness);
+    shell.shift = options.shift;
     if (options.repair) {
         repair_folds(shell, job);
     }
