@@ -28,7 +28,7 @@ void sort_unique(std::vector<glm::uvec2>& pairs)
 }  // namespace
 
 OverlapFinder::OverlapFinder(FoldSearch& search, const std::vector<std::uint8_t>& inverted, Job& job)
-    : search_(search), inverted_(inverted), job_(job), marks_(search.prisms())
+    : search_(search), inverted_(inverted), job_(job), parts_(search), marks_(search.prisms())
 {
     search_.make_pieces(inverted);
 }
@@ -59,6 +59,10 @@ void OverlapFinder::find(const std::vector<std::uint8_t>* active)
         }
     }
     cross_pieces(active);
+    for (const glm::uvec2& pair : parts_.nested(search_, job_)) {
+        mark(pair.x, pair.y);
+        pairs_.push_back(pair);
+    }
     sort_unique(pairs_);
     spread();
 }

@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "box_tree.h"
+#include "fold_parts.h"
 #include "fold_search.h"
 #include "mesoshell/job.h"
 
@@ -40,6 +41,7 @@ private:
     FoldSearch& search_;
     const std::vector<std::uint8_t>& inverted_;
     Job& job_;
+    FoldParts parts_;
     std::vector<Box> boxes_;
     std::optional<BoxTree> tree_;
     std::vector<std::atomic<std::uint8_t>> marks_;

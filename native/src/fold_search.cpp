@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "fold_parts.h"
 #include "parallel.h"
 #include "predicates.h"
 
@@ -33,6 +34,11 @@ Box box_of(std::span<const glm::vec3> points)
         box.extend(point);
     }
     return box;
+}
+
+glm::dvec3 middle_of(const PrismCorners& prism)
+{
+    return (glm::dvec3(prism.base[0]) + glm::dvec3(prism.base[1]) + glm::dvec3(prism.base[2])) / 3.0;
 }
 
 constexpr Box no_box{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())};
@@ -248,7 +254,8 @@ bool FoldSearch::prisms_overlap(std::uint32_t a, std::uint32_t b, float scale) c
             }
         }
     }
-    return false;
+    // Without a crossing, one may lie inside the other.
+    return !shared && (holds(prism_a, middle_of(prism_b)) || holds(prism_b, middle_of(prism_a)));
 }
 
 bool FoldSearch::of_base(std::uint32_t a, std::uint32_t b) const

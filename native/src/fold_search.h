@@ -27,6 +27,7 @@ public:
     FoldSearch(const Shell& shell, Job& job);
 
     std::size_t prisms() const { return triangles_.size(); }
+    std::size_t vertex_count() const { return shell_.positions.size(); }
     const glm::uvec3& vertices(std::uint32_t prism) const { return triangles_[prism]; }
 
     // Corners as make_table has them, with all thicknesses scaled.
@@ -49,8 +50,8 @@ public:
     void piece_boxes(std::vector<Box>& boxes, Job& job) const;
     bool pieces_cross(std::uint32_t a, std::uint32_t b) const;
 
-    // Whether two prisms overlap, with all thicknesses scaled: any of their faces cross, or one holds a corner of the other's
-    // base. Of prisms that share a vertex, fins between prisms are left out: those meet by right.
+    // Whether two prisms overlap, with all thicknesses scaled: any of their faces cross, or one holds the middle of the
+    // other's base. Of prisms that share a vertex, fins between prisms are left out: those meet by right.
     bool prisms_overlap(std::uint32_t a, std::uint32_t b, float scale) const;
     bool share_vertex(std::uint32_t a, std::uint32_t b) const;
 
