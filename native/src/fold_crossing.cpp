@@ -121,11 +121,20 @@ Hull hull_of(const Patch& p)
 
 bool within(const Hull& hull, const glm::vec3& point)
 {
+    if (hull.count == 2) {
+        return false;
+    }
+    const Triangle& face = hull.triangles[0];
+    const glm::vec3& fourth = hull.triangles[1][2];
+    if (glm::any(glm::lessThan(point, glm::min(glm::min(face[0], face[1]), glm::min(face[2], fourth)))) ||
+        glm::any(glm::greaterThan(point, glm::max(glm::max(face[0], face[1]), glm::max(face[2], fourth))))) {
+        return false;
+    }
     const auto side = [&](std::size_t i) {
         const Triangle& t = hull.triangles[i];
         return orientation(t[0], t[1], t[2], point);
     };
-    const int first = hull.count == 4 ? side(0) : 0;
+    const int first = side(0);
     return first != 0 && side(1) == first && side(2) == first && side(3) == first;
 }
 
