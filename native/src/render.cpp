@@ -243,7 +243,7 @@ std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& or
     };
     if (planes) {
         for (shader::PrismSpan span = shader::plane_span(loaded, origin, dir, -std::numeric_limits<float>::max()); span.found;
-             span = shader::plane_span(loaded, origin, dir, span.t_in)) {
+             span = shader::plane_span(loaded, origin, dir, span.t_out)) {
             add(span);
         }
         return result;
@@ -253,7 +253,7 @@ std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& or
         return result;
     }
     for (shader::PrismSpan span = shader::next_span(path, -std::numeric_limits<float>::max()); span.found;
-         span = shader::next_span(path, span.t_in)) {
+         span = shader::next_span(path, span.t_out)) {
         add(span);
     }
     return result;
