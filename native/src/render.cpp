@@ -269,6 +269,11 @@ glm::vec3 prism_texture(const PrismTexels& prism, const glm::vec3& q)
     return shader::prism_texture(shader::prism_of(prism), q);
 }
 
+glm::vec3 prism_normal(const PrismTexels& prism, const glm::vec3& q, const glm::vec3& scale, const glm::vec3& gradient_metric)
+{
+    return shader::prism_normal(shader::prism_of(prism), q, scale, gradient_metric);
+}
+
 std::optional<glm::vec3> place_of_position(const PrismTexels& prism, const glm::vec3& pos_object)
 {
     const shader::PrismPlace place = shader::place_of_position(shader::prism_of(prism), pos_object);
