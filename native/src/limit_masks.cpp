@@ -104,7 +104,7 @@ template class MaskRows<LimitWeights>;
 
 LimitFrames apply_masks(const LimitMasks& masks, std::span<const glm::vec3> positions, Job& job)
 {
-    UninitializedVector<Lanes> points(masks.vertices + masks.refinement.size());
+    RecycledVector<Lanes> points(masks.vertices + masks.refinement.size(), RecycledAllocator<Lanes>(masks.pool));
     for (std::size_t i = 0; i < masks.vertices; ++i) {
         points[i] = Lanes{positions[i].x, positions[i].y, positions[i].z, 0.0f};
     }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -11,7 +12,7 @@
 #include <glm/glm.hpp>
 
 #include "mesoshell/job.h"
-#include "mesoshell/uninitialized.h"
+#include "mesoshell/recycled.h"
 
 namespace mesoshell {
 
@@ -74,6 +75,7 @@ struct LimitMasks {
     std::vector<std::size_t> stretches{0};     // ends of stretches of rows, ascending from 0
     std::size_t last_level = 0;                // the first point of the last level
     MaskRows<LimitWeights> limit;              // one a point of the last level
+    std::shared_ptr<BlockPool> pool = std::make_shared<BlockPool>();  // of the points while they are summed
 
     std::size_t bytes() const { return refinement.bytes() + limit.bytes(); }
 };
