@@ -157,6 +157,10 @@ private:
     {
         patches_.resize(static_cast<std::size_t>(mesh_.GetNumFaces()));
         for_faces(job, mesh_.GetNumFaces(), [&](int face) {
+            if (!patches_take(mesh_, face)) {
+                throw Error("face " + std::to_string(face) +
+                            " of the surface has too many creases around for adaptive refinement; refine to a level instead");
+            }
             if (!factory_.InitVertexSurface(face, &patches_[face])) {
                 throw Error("face " + std::to_string(face) +
                             " of the surface has no limit surface; repair the faces around it, or refine to a level instead");

@@ -100,7 +100,7 @@ private:
         }
         if (face != face_) {
             face_ = face;
-            has_patch_ = is_within_reach(face) && patches_.InitVertexSurface(face, &patch_);
+            has_patch_ = patches_take(mesh_, face) && patches_.InitVertexSurface(face, &patch_);
         }
         if (!has_patch_) {
             return;
@@ -119,19 +119,6 @@ private:
             row.vertices.push_back(static_cast<std::uint32_t>(controls[i]));
             row.weights.push_back({position[i], along_u[i], along_v[i]});
         }
-    }
-
-    bool is_within_reach(int face) const
-    {
-        const Far::ConstIndexArray vertices = mesh_.GetFaceVertices(face);
-        std::int32_t most = 0;
-        for (const int vertex : vertices) {
-            for (const int beside : mesh_.GetVertexFaces(vertex)) {
-                most = std::max<std::int32_t>(most, mesh_.GetFaceVertices(beside).size());
-            }
-            most = std::max<std::int32_t>(most, mesh_.GetVertexFaces(vertex).size());
-        }
-        return most <= most_patch_faces;
     }
 
     const Far::TopologyRefiner& refiner_;

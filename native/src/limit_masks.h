@@ -24,6 +24,8 @@ using Lanes __attribute__((vector_size(16))) = float;
 template <typename Weights>
 class MaskRows {
 public:
+    // Room for so many rows and entries, so that what is about right is never moved.
+    void reserve(std::size_t rows, std::size_t entries);
     // Rows are made in turn: entries, then the end of the row.
     void add(std::uint32_t index, const Weights& weights)
     {

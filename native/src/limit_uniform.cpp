@@ -135,6 +135,11 @@ LimitMasks masks_of(const Far::TopologyRefiner& refiner, Job& job)
     const Far::PrimvarRefiner primvars(refiner);
     LimitMasks masks;
     masks.vertices = static_cast<std::size_t>(refiner.GetLevel(0).GetNumVertices());
+    // Quads inside a mesh have masks of 4, 4 and 9 points for every face, two edges and vertex, and limit masks of 9.
+    const auto refined = static_cast<std::size_t>(refiner.GetNumVerticesTotal()) - masks.vertices;
+    const auto last = static_cast<std::size_t>(refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices());
+    masks.refinement.reserve(refined, refined * 11 / 2);
+    masks.limit.reserve(last, last * 9 + last / 8);
     std::uint32_t before = 0;
     std::uint32_t first = static_cast<std::uint32_t>(masks.vertices);
     for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
