@@ -90,13 +90,21 @@ void MaskRows<Weights>::end_row()
 }
 
 template <typename Weights>
+void MaskRows<Weights>::reserve(std::size_t rows, std::size_t entries)
+{
+    rows_.reserve(rows + 1);
+    indices_.reserve(entries);
+}
+
+template <typename Weights>
 void MaskRows<Weights>::finish()
 {
     known_ = {};
     row_ = {};
-    rows_.shrink_to_fit();
-    indices_.shrink_to_fit();
     weights_.shrink_to_fit();
+    if (indices_.capacity() > indices_.size() + indices_.size() / 4) {
+        indices_.shrink_to_fit();
+    }
 }
 
 template class MaskRows<float>;
@@ -104,7 +112,7 @@ template class MaskRows<LimitWeights>;
 
 LimitFrames apply_masks(const LimitMasks& masks, std::span<const glm::vec3> positions, Job& job)
 {
-    UninitializedVector<Lanes> points(masks.vertices + masks.refinement.size());
+    RecycledVector<Lanes> points(masks.vertices + masks.refinement.size(), RecycledAllocator<Lanes>(masks.pool));
     for (std::size_t i = 0; i < masks.vertices; ++i) {
         points[i] = Lanes{positions[i].x, positions[i].y, positions[i].z, 0.0f};
     }

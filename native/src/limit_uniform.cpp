@@ -1,5 +1,7 @@
 // Uniform refinement: every face split alike, level by level, and what OpenSubdiv's limit masks say of the last level.
+#include "limit_exact.h"
 #include "limit_masks.h"
+#include "limit_patches.h"
 #include "limit_refiner.h"
 
 #include <utility>
@@ -71,7 +73,7 @@ public:
 
 class LimitRows {
 public:
-    explicit LimitRows(MaskRows<LimitWeights>& rows) : rows_(rows)
+    LimitRows(MaskRows<LimitWeights>& rows, const ExactRows& exact) : rows_(rows), exact_(exact)
     {
         position.rows = tangent_1.rows = tangent_2.rows = this;
         position.begins = true;
@@ -81,6 +83,14 @@ public:
     void finish()
     {
         if (!begun_) {
+            return;
+        }
+        const auto exact = exact_.find(static_cast<std::uint32_t>(rows_.size()));
+        if (exact != exact_.end()) {
+            for (std::size_t i = 0; i < exact->second.vertices.size(); ++i) {
+                rows_.add(exact->second.vertices[i], exact->second.weights[i]);
+            }
+            rows_.end_row();
             return;
         }
         const bool together = position.entries.size() == tangent_1.entries.size() &&
@@ -109,6 +119,7 @@ public:
 
 private:
     MaskRows<LimitWeights>& rows_;
+    const ExactRows& exact_;
     bool begun_ = false;
 };
 
@@ -124,6 +135,11 @@ LimitMasks masks_of(const Far::TopologyRefiner& refiner, Job& job)
     const Far::PrimvarRefiner primvars(refiner);
     LimitMasks masks;
     masks.vertices = static_cast<std::size_t>(refiner.GetLevel(0).GetNumVertices());
+    // Quads inside a mesh have masks of 4, 4 and 9 points for every face, two edges and vertex, and limit masks of 9.
+    const auto refined = static_cast<std::size_t>(refiner.GetNumVerticesTotal()) - masks.vertices;
+    const auto last = static_cast<std::size_t>(refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices());
+    masks.refinement.reserve(refined, refined * 11 / 2);
+    masks.limit.reserve(last, last * 9 + last / 8);
     std::uint32_t before = 0;
     std::uint32_t first = static_cast<std::uint32_t>(masks.vertices);
     for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
@@ -144,7 +160,8 @@ LimitMasks masks_of(const Far::TopologyRefiner& refiner, Job& job)
     }
     masks.last_level = before;
     const SourcePoints sources{before};
-    LimitRows rows(masks.limit);
+    const ExactRows exact = exact_limits(refiner);
+    LimitRows rows(masks.limit, exact);
     primvars.Limit(sources, rows.position, rows.tangent_1, rows.tangent_2);
     rows.finish();
     masks.refinement.finish();
@@ -208,20 +225,28 @@ RefinedTopology last_level(const Far::TopologyRefiner& refiner)
     return topology;
 }
 
-// A boundary without further creases has one tangent plane at a vertex, and so has a corner of a single face.
-bool has_one_plane(const Far::TopologyLevel& level, int vertex, Scheme scheme)
+// Whether all faces at a vertex have one tangent plane in the limit: creases that patches resolve are smooth there.
+bool has_one_plane(const Far::TopologyRefiner& refiner, const Far::TopologyLevel& level, int vertex)
 {
-    if (scheme == Scheme::bilinear || level.IsVertexNonManifold(vertex) || level.GetVertexFaces(vertex).size() == 0) {
+    const int faces = level.GetVertexFaces(vertex).size();
+    if (refiner.GetSchemeType() == Sdc::SCHEME_BILINEAR || level.IsVertexNonManifold(vertex) || faces == 0) {
         return false;
     }
-    switch (level.GetVertexRule(vertex)) {
-    case Sdc::Crease::RULE_CREASE:
-        return level.IsVertexBoundary(vertex);
-    case Sdc::Crease::RULE_CORNER:
-        return false;
-    default:
+    if (faces == 1) {  // at a rounded corner the tangents of the face's two edges are those of the boundary: parallel
+        return level.GetVertexRule(vertex) != Sdc::Crease::RULE_CREASE;
+    }
+    if (level.GetVertexRule(vertex) == Sdc::Crease::RULE_SMOOTH) {
         return true;
     }
+    const auto stays_sharp = [&](float left) { return left > 0.0f && left + static_cast<float>(refiner.GetMaxLevel()) > sharp_levels; };
+    if (stays_sharp(level.GetVertexSharpness(vertex))) {
+        return false;
+    }
+    int creases = 0;  // one alone is a dart
+    for (const int edge : level.GetVertexEdges(vertex)) {
+        creases += level.GetEdgeFaces(edge).size() > 1 && stays_sharp(level.GetEdgeSharpness(edge)) ? 1 : 0;
+    }
+    return creases == 0 || (creases == 1 && !level.IsVertexBoundary(vertex));
 }
 
 class UniformEvaluator : public LimitEvaluator {
@@ -258,7 +283,7 @@ Refined refine_uniformly(const Surface& surface, const Refinement& refinement, J
     const Far::TopologyLevel& last = refiner->GetLevel(refinement.levels);
     refined.sharp.resize(static_cast<std::size_t>(last.GetNumVertices()));
     for (int vertex = 0; vertex < last.GetNumVertices(); ++vertex) {
-        refined.sharp[vertex] = !has_one_plane(last, vertex, refinement.scheme);
+        refined.sharp[vertex] = !has_one_plane(*refiner, last, vertex);
     }
     refined.evaluator = std::make_unique<const UniformEvaluator>(masks_of(*refiner, job));
     return refined;

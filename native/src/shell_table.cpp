@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "parallel.h"
+#include "shell_rig.h"
 
 namespace mesoshell {
 namespace {
@@ -55,8 +56,8 @@ void make_table(Shell& shell, Job& job)
 {
     const std::size_t count = shell.topology->triangles.size();
     const int tasks = static_cast<int>((count + prisms_per_task - 1) / prisms_per_task);
-    shell.prisms.resize(count);
-    shell.indices.resize(count);
+    shell.prisms = RecycledVector<PrismTexels>(count, RecycledAllocator<PrismTexels>(shell.rig ? shell.rig->pool : nullptr));
+    shell.indices = RecycledVector<PrismIndices>(count, RecycledAllocator<PrismIndices>(shell.rig ? shell.rig->pool : nullptr));
     struct Bounds {
         glm::vec3 lower{std::numeric_limits<float>::max()};
         glm::vec3 upper{std::numeric_limits<float>::lowest()};
