@@ -24,8 +24,8 @@ LEGS = {5: ((-0.06, 0.16, -0.05, 0.8), (0.02, 0.27, -0.15, 0.6), (0.0, 0.30, -0.
         8: ((-0.02, 0.16, -0.05, 0.8), (-0.10, 0.27, -0.15, 0.6), (-0.02, 0.30, -0.27, 0.45), (0.04, 0.31, -0.36, 0.8))}
 LEG_FACES = (0, 6)  # low on the left and on the right
 TAIL_BONES, FRAMES = 5, 48
-TILES = (12, 16)  # whole around the body; along it, what squama's aspect of 0.75 asks for
-THICKNESS = 0.03
+TILES = (6, 8)  # whole around the body; along it, what squama's aspect of 0.75 asks for
+THICKNESS = 0.05
 
 
 class Cage:

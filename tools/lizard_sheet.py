@@ -20,7 +20,7 @@ os.environ.setdefault("MESOSHELL_NATIVE_PATH", str(ROOT / "build/stage"))
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tools"), str(ROOT / "tests")]
 
 FRAMES = (1, 13, 25, 37)
-SIZE = (720, 400)
+SIZE = (1440, 800)  # of which each 2 x 2 pixels become one
 BACKGROUND = np.array([0.045, 0.047, 0.052])  # linear
 SKIN = np.array([0.20, 0.24, 0.12])
 
@@ -95,6 +95,7 @@ def main(arguments):
         for frame in FRAMES:
             bpy.context.scene.frame_set(frame)
             frames.append(picture(native, shells, draw, lights))
+    frames = [frame.reshape(SIZE[1] // 2, 2, SIZE[0] // 2, 2, 3).mean(axis=(1, 3)) for frame in frames]
     sheet = np.concatenate([np.concatenate(frames[2:], axis=1), np.concatenate(frames[:2], axis=1)], axis=0)
     demo_pictures.save_png(options.out.resolve(), sheet, encode=True)
 

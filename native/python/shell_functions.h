@@ -6,5 +6,6 @@
 namespace mesoshell::python {
 
 extern PyMethodDef shell_functions[];
+extern PyMethodDef stretch_functions[];
 
 }  // namespace mesoshell::python

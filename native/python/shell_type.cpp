@@ -80,7 +80,7 @@ int add_shell(PyObject* module)
     if (add_type(module, shell_spec, state_of_module(module).shell_type) != 0) {
         return -1;
     }
-    return PyModule_AddFunctions(module, shell_functions);
+    return PyModule_AddFunctions(module, shell_functions) != 0 ? -1 : PyModule_AddFunctions(module, stretch_functions);
 }
 
 }  // namespace mesoshell::python

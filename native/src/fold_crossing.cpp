@@ -121,11 +121,20 @@ Hull hull_of(const Patch& p)
 
 bool within(const Hull& hull, const glm::vec3& point)
 {
+    if (hull.count == 2) {
+        return false;
+    }
+    const Triangle& face = hull.triangles[0];
+    const glm::vec3& fourth = hull.triangles[1][2];
+    if (glm::any(glm::lessThan(point, glm::min(glm::min(face[0], face[1]), glm::min(face[2], fourth)))) ||
+        glm::any(glm::greaterThan(point, glm::max(glm::max(face[0], face[1]), glm::max(face[2], fourth))))) {
+        return false;
+    }
     const auto side = [&](std::size_t i) {
         const Triangle& t = hull.triangles[i];
         return orientation(t[0], t[1], t[2], point);
     };
-    const int first = hull.count == 4 ? side(0) : 0;
+    const int first = side(0);
     return first != 0 && side(1) == first && side(2) == first && side(3) == first;
 }
 
@@ -197,9 +206,25 @@ std::array<Patch, 4> quarters(const Patch& p)
             Patch{sides[3], center, sides[2], p[3]}};
 }
 
+// Whether the bounds of two sets of points overlap.
+template <typename Points, typename OtherPoints>
+bool boxes_overlap(const Points& a, const OtherPoints& b)
+{
+    glm::vec3 lower_a = a[0], upper_a = a[0], lower_b = b[0], upper_b = b[0];
+    for (const glm::vec3& p : a) {
+        lower_a = glm::min(lower_a, p);
+        upper_a = glm::max(upper_a, p);
+    }
+    for (const glm::vec3& p : b) {
+        lower_b = glm::min(lower_b, p);
+        upper_b = glm::max(upper_b, p);
+    }
+    return glm::all(glm::lessThanEqual(lower_a, upper_b)) && glm::all(glm::lessThanEqual(lower_b, upper_a));
+}
+
 bool parts_cross(const Patch& a, int halvings, const Triangle& b, Inside inside_b)
 {
-    if (!hulls_cross(hull_of(a), b, inside_b)) {
+    if (!boxes_overlap(a, b) || !hulls_cross(hull_of(a), b, inside_b)) {
         return false;
     }
     if (halvings == 0) {
@@ -211,7 +236,7 @@ bool parts_cross(const Patch& a, int halvings, const Triangle& b, Inside inside_
 
 bool parts_cross(const Patch& a, int halvings_a, const Patch& b, int halvings_b)
 {
-    if (!hulls_cross(hull_of(a), hull_of(b))) {
+    if (!boxes_overlap(a, b) || !hulls_cross(hull_of(a), hull_of(b))) {
         return false;
     }
     if (halvings_a == 0 && halvings_b == 0) {

@@ -27,10 +27,15 @@ void sort_unique(std::vector<glm::uvec2>& pairs)
 
 }  // namespace
 
-OverlapFinder::OverlapFinder(FoldSearch& search, bool all_fins, Job& job)
-    : search_(search), all_fins_(all_fins), job_(job), marks_(search.prisms())
+OverlapFinder::OverlapFinder(FoldSearch& search, const std::vector<std::uint8_t>& inverted, Job& job)
+    : search_(search), inverted_(inverted), job_(job), parts_(search), marks_(search.prisms())
 {
-    search_.make_pieces(all_fins);
+    search_.make_pieces(inverted);
+}
+
+bool OverlapFinder::both_inverted(std::uint32_t a, std::uint32_t b) const
+{
+    return !inverted_.empty() && inverted_[a] != 0 && inverted_[b] != 0;
 }
 
 void OverlapFinder::find(const std::vector<std::uint8_t>* active)
@@ -54,10 +59,12 @@ void OverlapFinder::find(const std::vector<std::uint8_t>* active)
         }
     }
     cross_pieces(active);
-    sort_unique(pairs_);
-    if (!all_fins_) {
-        spread();
+    for (const glm::uvec2& pair : parts_.nested(search_, job_)) {
+        mark(pair.x, pair.y);
+        pairs_.push_back(pair);
     }
+    sort_unique(pairs_);
+    spread();
 }
 
 void OverlapFinder::mark(std::uint32_t a, std::uint32_t b)
@@ -97,7 +104,7 @@ void OverlapFinder::cross_piece(std::uint32_t piece, std::size_t room, const std
     tree_->overlapping(boxes_[piece], [&](std::uint32_t other) {
         const std::uint32_t q = search_.prism_of(other);
         const bool asks_too = active == nullptr || (*active)[q] != 0;
-        if (p == q || (asks_too && other < piece)) {
+        if (p == q || (asks_too && other < piece) || both_inverted(p, q)) {
             return true;
         }
         // Whoever finds them first, both end up marked.
@@ -111,7 +118,7 @@ void OverlapFinder::cross_piece(std::uint32_t piece, std::size_t room, const std
     });
 }
 
-// Where nothing is inverted, an overlap's rim is where the boundary crosses; within, prisms overlap neighbors of those that do.
+// An overlap's rim is where the boundary crosses; within, prisms overlap neighbors of those that do.
 void OverlapFinder::spread()
 {
     std::vector<glm::uvec2> front = pairs_;
@@ -143,7 +150,7 @@ std::vector<glm::uvec2> OverlapFinder::beside(const std::vector<glm::uvec2>& pai
 {
     std::vector<glm::uvec2> next;
     const auto offer = [&](std::uint32_t a, std::uint32_t b) {
-        if (a != no_neighbor && b != no_neighbor && a != b) {
+        if (a != no_neighbor && b != no_neighbor && a != b && !both_inverted(a, b)) {
             next.emplace_back(std::min(a, b), std::max(a, b));
         }
     };

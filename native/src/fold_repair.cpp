@@ -54,8 +54,10 @@ public:
             return;
         }
         turn_directors();
-        const bool any_hopeless = find_hopeless();
-        OverlapFinder finder(search_, any_hopeless, job_);
+        follow_limits();
+        std::fill(changed_.begin(), changed_.end(), std::uint8_t(1));
+        const std::vector<std::uint8_t> none_inverted;
+        OverlapFinder finder(search_, none_inverted, job_);
         for (bool everything = true;;) {
             do {
                 lower_inverted();
@@ -94,7 +96,7 @@ private:
         return *around_;
     }
 
-    // Directors that lie behind a face around their vertex, to where they are in front of all.
+    // Directors that lie behind a face around their vertex, to where they are in front of all; without thickness where nothing is.
     void turn_directors()
     {
         std::vector<std::uint8_t> hidden(search_.prisms());
@@ -106,21 +108,12 @@ private:
                     const glm::vec3 dir = most_visible_normal(shell_, around(), vertex);
                     if (dir != glm::vec3(0.0f)) {
                         shell_.directors[vertex] = dir;
+                    } else {
+                        limits_[vertex].store(0.0f, std::memory_order_relaxed);
                     }
                 }
             }
         }
-    }
-
-    bool find_hopeless()
-    {
-        std::vector<std::uint8_t> hopeless(search_.prisms());
-        for_each(search_.prisms(), [&](std::uint32_t p) { hopeless[p] = search_.hidden_directors(p) != 0 ? 1 : 0; });
-        const bool any = std::find(hopeless.begin(), hopeless.end(), 1) != hopeless.end();
-        if (any) {
-            search_.set_hopeless(std::move(hopeless));
-        }
-        return any;
     }
 
     void lower(std::uint32_t prism, float share)
@@ -144,7 +137,7 @@ private:
     void lower_inverted()
     {
         for_each(search_.prisms(), [&](std::uint32_t p) {
-            if (changed_[p] == 0 || search_.hopeless(p)) {
+            if (changed_[p] == 0) {
                 return;
             }
             const PrismCorners prism = search_.corners(p);

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "fold_parts.h"
 #include "parallel.h"
 #include "predicates.h"
 
@@ -33,6 +34,48 @@ Box box_of(std::span<const glm::vec3> points)
         box.extend(point);
     }
     return box;
+}
+
+glm::dvec3 middle_of(const PrismCorners& prism)
+{
+    return (glm::dvec3(prism.base[0]) + glm::dvec3(prism.base[1]) + glm::dvec3(prism.base[2])) / 3.0;
+}
+
+// Whether a plane along a face of one keeps the corners, and so all, of two prisms apart by more than rounding can hide. Spares
+// most pairs the dozens of exact tests.
+bool separated(const PrismCorners& a, const PrismCorners& b)
+{
+    const auto apart_along = [&](const glm::dvec3& axis) {
+        double least_a = std::numeric_limits<double>::max(), most_a = -least_a, least_b = least_a, most_b = -least_a;
+        const auto reach = [&](const PrismCorners& prism, double& least, double& most) {
+            for (std::size_t i = 0; i < 6; ++i) {
+                const double at = glm::dot(axis, glm::dvec3(i < 3 ? prism.base[i] : prism.top[i - 3]));
+                least = std::min(least, at);
+                most = std::max(most, at);
+            }
+        };
+        reach(a, least_a, most_a);
+        reach(b, least_b, most_b);
+        const double largest = std::max(std::max(std::abs(least_a), std::abs(most_a)), std::max(std::abs(least_b), std::abs(most_b)));
+        // Of three products: 3 2^-53 times their sizes, which may cancel; with room to spare.
+        const double size = std::max(largest, glm::length(axis) * glm::length(glm::dvec3(a.base[0])));
+        return std::max(least_a - most_b, least_b - most_a) > 1e-14 * size;
+    };
+    for (const PrismCorners* prism : {&a, &b}) {
+        const auto point = [&](std::size_t i, bool top) { return glm::dvec3(top ? prism->top[i] : prism->base[i]); };
+        for (const bool top : {false, true}) {
+            if (apart_along(glm::cross(point(1, top) - point(0, top), point(2, top) - point(0, top)))) {
+                return true;
+            }
+        }
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t next = (i + 1) % 3;
+            if (apart_along(glm::cross(point(next, true) - point(i, false), point(i, true) - point(next, false)))) {
+                return true;
+            }
+        }
+    }
+    return false;
 }
 
 constexpr Box no_box{glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest())};
@@ -124,12 +167,13 @@ void FoldSearch::cross_surfaces(Job& job)
     std::sort(crossing_surfaces_.begin(), crossing_surfaces_.end(), ascending);
 }
 
-void FoldSearch::make_pieces(bool all_fins)
+void FoldSearch::make_pieces(const std::vector<std::uint8_t>& inverted)
 {
+    const auto is_inverted = [&](std::uint32_t prism) { return !inverted.empty() && inverted[prism] != 0; };
     fins_.clear();
     for (std::uint32_t prism = 0; prism < prisms(); ++prism) {
         for (std::uint32_t side = 0; side < 3; ++side) {
-            if (all_fins || is_border({prism, side})) {
+            if (is_border({prism, side}) || is_inverted(prism) || is_inverted(neighbor(prism, side))) {
                 fins_.push_back({prism, side});
             }
         }
@@ -220,7 +264,7 @@ bool FoldSearch::prisms_overlap(std::uint32_t a, std::uint32_t b, float scale) c
 {
     const PrismCorners prism_a = corners(a, scale);
     const PrismCorners prism_b = corners(b, scale);
-    if (prism_a.empty() || prism_b.empty() || !whole_box(prism_a).overlaps(whole_box(prism_b))) {
+    if (prism_a.empty() || prism_b.empty() || !whole_box(prism_a).overlaps(whole_box(prism_b)) || separated(prism_a, prism_b)) {
         return false;
     }
     const bool base_is_surface = shell_.shift == 0.0f;
@@ -247,7 +291,8 @@ bool FoldSearch::prisms_overlap(std::uint32_t a, std::uint32_t b, float scale) c
             }
         }
     }
-    return false;
+    // Without a crossing, one may lie inside the other.
+    return !shared && (holds(prism_a, middle_of(prism_b)) || holds(prism_b, middle_of(prism_a)));
 }
 
 bool FoldSearch::of_base(std::uint32_t a, std::uint32_t b) const
@@ -259,7 +304,7 @@ bool FoldSearch::of_base(std::uint32_t a, std::uint32_t b) const
     if (listed(crossing_surfaces_) || listed(borders_.same_side)) {
         return true;
     }
-    return share_vertex(a, b) && (hopeless(a) || hopeless(b) || prisms_overlap(a, b, 1.0f / 128.0f));
+    return share_vertex(a, b) && prisms_overlap(a, b, 1.0f / 128.0f);
 }
 
 }  // namespace mesoshell

@@ -27,6 +27,7 @@ public:
     FoldSearch(const Shell& shell, Job& job);
 
     std::size_t prisms() const { return triangles_.size(); }
+    std::size_t vertex_count() const { return shell_.positions.size(); }
     const glm::uvec3& vertices(std::uint32_t prism) const { return triangles_[prism]; }
 
     // Corners as make_table has them, with all thicknesses scaled.
@@ -35,25 +36,22 @@ public:
     // Bit i: the corner i has a thickness, and its director does not lie in front of the prism's triangle. Exact.
     std::uint32_t hidden_directors(std::uint32_t prism) const;
 
-    // Prisms that stay inverted whatever their thickness: 0 or 1 each, or none at all.
-    void set_hopeless(std::vector<std::uint8_t> hopeless) { hopeless_ = std::move(hopeless); }
-    bool hopeless(std::uint32_t prism) const { return !hopeless_.empty() && hopeless_[prism] != 0; }
-
     // Prisms whose surface triangles cross, and those on the same side of an edge: overlaps that no thickness mends. Ascending.
     const std::vector<glm::uvec2>& crossing_surfaces() const { return crossing_surfaces_; }
     const std::vector<glm::uvec2>& same_side() const { return borders_.same_side; }
 
     std::uint32_t neighbor(std::uint32_t prism, std::uint32_t side) const { return borders_.neighbors[prism][side]; }
 
-    // The boundary's pieces: base and top of every prism and fins, of the whole border or of all prisms.
-    void make_pieces(bool all_fins);
+    // The boundary's pieces: base and top of every prism, and fins along the border and around prisms that are inverted (one
+    // mark a prism, or none at all).
+    void make_pieces(const std::vector<std::uint8_t>& inverted);
     std::size_t pieces() const { return 2 * prisms() + fins_.size(); }
     std::uint32_t prism_of(std::uint32_t piece) const;
     void piece_boxes(std::vector<Box>& boxes, Job& job) const;
     bool pieces_cross(std::uint32_t a, std::uint32_t b) const;
 
-    // Whether two prisms overlap, with all thicknesses scaled: any of their faces cross, or one holds a corner of the other's
-    // base. Of prisms that share a vertex, fins between prisms are left out: those meet by right.
+    // Whether two prisms overlap, with all thicknesses scaled: any of their faces cross, or one holds the middle of the
+    // other's base. Of prisms that share a vertex, fins between prisms are left out: those meet by right.
     bool prisms_overlap(std::uint32_t a, std::uint32_t b, float scale) const;
     bool share_vertex(std::uint32_t a, std::uint32_t b) const;
 
@@ -75,7 +73,6 @@ private:
     FoldBorders borders_;
     std::vector<Fin> fins_;
     std::vector<glm::uvec2> crossing_surfaces_;
-    std::vector<std::uint8_t> hopeless_;
 };
 
 }  // namespace mesoshell

@@ -10,7 +10,18 @@
 namespace mesoshell {
 namespace {
 
-constexpr std::size_t prisms_per_task = 1024;
+constexpr std::size_t per_task = 1024;
+
+template <typename Work>
+void for_each(Job& job, std::size_t count, const Work& work)
+{
+    parallel_for(job, static_cast<int>((count + per_task - 1) / per_task), [&](int task) {
+        const std::size_t first = static_cast<std::size_t>(task) * per_task;
+        for (std::size_t i = first; i < std::min(count, first + per_task); ++i) {
+            work(i);
+        }
+    }, 0.0f);
+}
 
 // Those that are inverted because of a director that lies behind them, at a vertex where none can lie in front of all faces.
 std::vector<std::uint8_t> hopeless_of(const Shell& shell, const FoldSearch& search, const std::vector<std::uint8_t>& inverted)
@@ -38,20 +49,15 @@ Folds find_folds(const Shell& shell, Job& job)
     const std::size_t count = search.prisms();
     Folds folds;
     folds.inverted.assign(count, 0);
-    parallel_for(job, static_cast<int>((count + prisms_per_task - 1) / prisms_per_task), [&](int task) {
-        const std::size_t first = static_cast<std::size_t>(task) * prisms_per_task;
-        for (std::size_t p = first; p < std::min(count, first + prisms_per_task); ++p) {
-            folds.inverted[p] = inverted(search.corners(static_cast<std::uint32_t>(p))) ? 1 : 0;
-        }
+    for_each(job, count, [&](std::size_t p) {
+        folds.inverted[p] = inverted(search.corners(static_cast<std::uint32_t>(p))) ? 1 : 0;
     });
-    const bool any = std::find(folds.inverted.begin(), folds.inverted.end(), 1) != folds.inverted.end();
     folds.base.assign(count, 0);
-    if (any) {
+    if (std::find(folds.inverted.begin(), folds.inverted.end(), 1) != folds.inverted.end()) {
         folds.base = hopeless_of(shell, search, folds.inverted);
-        search.set_hopeless(folds.base);
     }
     job.stage(0.2f, 1.0f);
-    OverlapFinder finder(search, any, job);
+    OverlapFinder finder(search, folds.inverted, job);
     finder.find();
     folds.intersecting.resize(count);
     for (std::uint32_t p = 0; p < count; ++p) {
@@ -59,9 +65,13 @@ Folds find_folds(const Shell& shell, Job& job)
     }
     folds.pairs = finder.pairs();
     folds.pairs.resize(std::min(folds.pairs.size(), most_fold_pairs));
-    for (const glm::uvec2& pair : folds.pairs) {
-        if (search.of_base(pair.x, pair.y)) {
-            folds.base[pair.x] = folds.base[pair.y] = 1;
+    std::vector<std::uint8_t> lasting(folds.pairs.size());
+    for_each(job, folds.pairs.size(), [&](std::size_t i) {
+        lasting[i] = search.of_base(folds.pairs[i].x, folds.pairs[i].y) ? 1 : 0;
+    });
+    for (std::size_t i = 0; i < lasting.size(); ++i) {
+        if (lasting[i] != 0) {
+            folds.base[folds.pairs[i].x] = folds.base[folds.pairs[i].y] = 1;
         }
     }
     return folds;

@@ -18,6 +18,10 @@ namespace {
 // map bends it by a quarter of that share of the prism's change of width.
 constexpr double most_bend = 0.01;
 
+// Where the top has other UVs than the base, a straight edge in texture space is bent in the prism's weights: it is split until
+// its middle is off by no more than this.
+constexpr double most_off = 1e-3;
+
 // Copies of the tile in one prism; more would take memory without end.
 constexpr double most_copies = 4096.0;
 
@@ -56,6 +60,11 @@ Polygon clip(const Polygon& polygon, int i)
     return kept;
 }
 
+double cross(const glm::dvec2& a, const glm::dvec2& b)
+{
+    return a.x * b.y - a.y * b.x;
+}
+
 class PrismWarp {
 public:
     PrismWarp(const PrismTexels& texels, std::vector<glm::vec3>& out) : out_(out)
@@ -64,19 +73,48 @@ public:
             base_[i] = glm::dvec3(texels[i]);
             top_[i] = glm::dvec3(texels[i + 3]);
             uv_[i] = glm::dvec2(texels[i].w, texels[6][i]);
+            uv_top_[i] = glm::dvec2(texels[i + 3].w, texels[6 + (i + 3) / 4][(i + 3) % 4]);
         }
         const glm::dvec2 e1 = uv_[1] - uv_[0];
         const glm::dvec2 e2 = uv_[2] - uv_[0];
         area_ = e1.x * e2.y - e1.y * e2.x;
+        upright_ = uv_ == uv_top_;
     }
 
-    bool covers_texture() const { return area_ != 0.0; }
-    glm::dvec2 lower() const { return glm::min(uv_[0], glm::min(uv_[1], uv_[2])); }
-    glm::dvec2 upper() const { return glm::max(uv_[0], glm::max(uv_[1], uv_[2])); }
+    bool covers_texture() const { return area_ != 0.0 || !upright_; }
+    glm::dvec2 lower() const
+    {
+        const glm::dvec2 base = glm::min(uv_[0], glm::min(uv_[1], uv_[2]));
+        return upright_ ? base : glm::min(base, glm::min(uv_top_[0], glm::min(uv_top_[1], uv_top_[2])));
+    }
+    glm::dvec2 upper() const
+    {
+        const glm::dvec2 base = glm::max(uv_[0], glm::max(uv_[1], uv_[2]));
+        return upright_ ? base : glm::max(base, glm::max(uv_top_[0], glm::max(uv_top_[1], uv_top_[2])));
+    }
+
+    // Whether the UVs turn over or lose their area between base and top: twice their signed area is quadratic in the height.
+    bool turns_over() const
+    {
+        if (upright_) {
+            return false;
+        }
+        const double top = cross(uv_top_[1] - uv_top_[0], uv_top_[2] - uv_top_[0]);
+        const double middle = cross(uv_at(1, 0.5) - uv_at(0, 0.5), uv_at(2, 0.5) - uv_at(0, 0.5));
+        const double square = 2.0 * (area_ + top) - 4.0 * middle;
+        const double linear = top - area_ - square;
+        const double extreme = -linear / (2.0 * square);
+        const bool inside = extreme > 0.0 && extreme < 1.0;
+        return !(area_ * top > 0.0) || (inside && !(area_ * (area_ + (linear + square * extreme) * extreme) > 0.0));
+    }
 
     // A triangle of texture space.
     void add(const std::array<glm::dvec3, 3>& corners)
     {
+        if (!upright_) {
+            add_bent(corners);
+            return;
+        }
         Polygon polygon;
         for (const glm::dvec3& c : corners) {
             const glm::dvec2 e1 = uv_[1] - uv_[0];
@@ -86,6 +124,12 @@ public:
             const double b2 = (e1.x * p.y - e1.y * p.x) / area_;
             polygon.push_back({{1.0 - b1 - b2, b1, b2}, c.z});
         }
+        clip_and_emit(polygon);
+    }
+
+private:
+    void clip_and_emit(Polygon polygon)
+    {
         for (int i = 0; i < 3 && !polygon.empty(); ++i) {
             polygon = clip(polygon, i);
         }
@@ -94,7 +138,83 @@ public:
         }
     }
 
-private:
+    // Clipped to the rectangle of the prism's UVs at all heights, outside of which weights may be without bounds.
+    void add_bent(const std::array<glm::dvec3, 3>& corners)
+    {
+        std::vector<glm::dvec3> polygon(corners.begin(), corners.end());
+        for (int side = 0; side < 4; ++side) {
+            const int axis = side / 2;
+            const double sign = side % 2 == 0 ? 1.0 : -1.0;
+            const double bound = side % 2 == 0 ? lower()[axis] : upper()[axis];
+            std::vector<glm::dvec3> kept;
+            for (std::size_t k = 0; k < polygon.size(); ++k) {
+                const glm::dvec3& a = polygon[k];
+                const glm::dvec3& b = polygon[(k + 1) % polygon.size()];
+                const double inside_a = sign * (a[axis] - bound);
+                const double inside_b = sign * (b[axis] - bound);
+                if (inside_a >= 0.0) {
+                    kept.push_back(a);
+                }
+                if ((inside_a >= 0.0) != (inside_b >= 0.0)) {
+                    kept.push_back(glm::mix(a, b, inside_a / (inside_a - inside_b)));
+                }
+            }
+            polygon.swap(kept);
+        }
+        for (std::size_t k = 2; k < polygon.size(); ++k) {
+            straighten({polygon[0], polygon[k - 1], polygon[k]}, 0);
+        }
+    }
+
+    glm::dvec2 uv_at(int corner, double w) const { return uv_[corner] * (1.0 - w) + uv_top_[corner] * w; }
+
+    // The prism coordinates of a texture position: at its height, UVs are linear in the weights.
+    Point point_of(const glm::dvec3& texture) const
+    {
+        const glm::dvec2 origin = uv_at(0, texture.z);
+        const glm::dvec2 e1 = uv_at(1, texture.z) - origin;
+        const glm::dvec2 e2 = uv_at(2, texture.z) - origin;
+        const glm::dvec2 p = glm::dvec2(texture) - origin;
+        const double area = cross(e1, e2);
+        const double b1 = cross(p, e2) / area;
+        const double b2 = cross(e1, p) / area;
+        return {{1.0 - b1 - b2, b1, b2}, texture.z};
+    }
+
+    void straighten(const std::array<glm::dvec3, 3>& corners, int depth)
+    {
+        const Polygon points{point_of(corners[0]), point_of(corners[1]), point_of(corners[2])};
+        double worst = 0.0;
+        int split = 0;
+        for (int i = 0; i < 3; ++i) {
+            const Point exact = point_of((corners[i] + corners[(i + 1) % 3]) * 0.5);
+            const Point straight = between(points[i], points[(i + 1) % 3], 0.5);
+            for (int k = 0; k < 3; ++k) {
+                const double off = std::abs(exact.weight[k] - straight.weight[k]);
+                if (off > worst) {
+                    worst = off;
+                    split = i;
+                }
+            }
+        }
+        for (int k = 0; k < 3; ++k) {
+            const double most = std::max(points[0].weight[k], std::max(points[1].weight[k], points[2].weight[k]));
+            if (most < -2.0 * worst) {  // bent as it is, it stays beyond this fin
+                return;
+            }
+        }
+        if (worst <= most_off || depth == 16) {
+            clip_and_emit(points);
+            return;
+        }
+        const glm::dvec3& a = corners[split];
+        const glm::dvec3& b = corners[(split + 1) % 3];
+        const glm::dvec3& c = corners[(split + 2) % 3];
+        const glm::dvec3 middle = (a + b) * 0.5;
+        straighten({a, middle, c}, depth + 1);
+        straighten({middle, b, c}, depth + 1);
+    }
+
     static double bend(const Point& a, const Point& b)
     {
         double sideways = 0.0;
@@ -141,7 +261,9 @@ private:
     std::array<glm::dvec3, 3> base_;
     std::array<glm::dvec3, 3> top_;
     std::array<glm::dvec2, 3> uv_;
-    double area_;
+    std::array<glm::dvec2, 3> uv_top_;
+    double area_;   // twice that of the base's UVs, signed
+    bool upright_;  // base and top have the same UVs
 };
 
 struct TextureTriangle {
@@ -199,15 +321,6 @@ void warp_into_prism(const std::vector<TextureTriangle>& triangles, const glm::d
 
 RealizedMesh realize(const Shell& shell, const Sample& sample, Job& job)
 {
-    for (std::size_t i = 0; i < shell.prisms.size(); ++i) {
-        const PrismTexels& t = shell.prisms[i];
-        for (int corner = 0; corner < 3; ++corner) {
-            if (t[corner].w != t[corner + 3].w || t[6][corner] != t[6 + (corner + 3) / 4][(corner + 3) % 4]) {
-                throw InvalidArgument("prism " + std::to_string(i) +
-                                      " has other UVs at its top than at its base; realize needs them equal");
-            }
-        }
-    }
     const std::vector<TextureTriangle> triangles = texture_triangles(sample);
     glm::dvec2 lower(std::numeric_limits<double>::max());
     glm::dvec2 upper(std::numeric_limits<double>::lowest());
@@ -223,6 +336,10 @@ RealizedMesh realize(const Shell& shell, const Sample& sample, Job& job)
     parallel_for(job, tasks, [&](int task) {
         for (int i = task * prisms_per_task; i < std::min(count, (task + 1) * prisms_per_task); ++i) {
             PrismWarp warp(shell.prisms[static_cast<std::size_t>(i)], parts[static_cast<std::size_t>(task)]);
+            if (warp.turns_over()) {
+                throw InvalidArgument("the UVs of prism " + std::to_string(i) +
+                                      " turn over between its base and its top; move those of the top less");
+            }
             if (warp.covers_texture()) {
                 warp_into_prism(triangles, lower, upper, warp, job);
             }

@@ -243,7 +243,7 @@ std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& or
     };
     if (planes) {
         for (shader::PrismSpan span = shader::plane_span(loaded, origin, dir, -std::numeric_limits<float>::max()); span.found;
-             span = shader::plane_span(loaded, origin, dir, span.t_in)) {
+             span = shader::plane_span(loaded, origin, dir, span.t_out)) {
             add(span);
         }
         return result;
@@ -253,7 +253,7 @@ std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& or
         return result;
     }
     for (shader::PrismSpan span = shader::next_span(path, -std::numeric_limits<float>::max()); span.found;
-         span = shader::next_span(path, span.t_in)) {
+         span = shader::next_span(path, span.t_out)) {
         add(span);
     }
     return result;
@@ -267,6 +267,11 @@ glm::vec3 prism_position(const PrismTexels& prism, const glm::vec3& q)
 glm::vec3 prism_texture(const PrismTexels& prism, const glm::vec3& q)
 {
     return shader::prism_texture(shader::prism_of(prism), q);
+}
+
+glm::vec3 prism_normal(const PrismTexels& prism, const glm::vec3& q, const glm::vec3& scale, const glm::vec3& gradient_metric)
+{
+    return shader::prism_normal(shader::prism_of(prism), q, scale, gradient_metric);
 }
 
 std::optional<glm::vec3> place_of_position(const PrismTexels& prism, const glm::vec3& pos_object)

@@ -8,6 +8,7 @@
 #include "extrusion.h"
 #include "mesoshell/folds.h"
 #include "placement.h"
+#include "relax.h"
 #include "shell_rig.h"
 #include "shell_table.h"
 #include "surface_check.h"
@@ -41,7 +42,6 @@ void take_pose(Shell& shell, LimitPoints points, Job& job)
     if (rig.repair) {
         repair_folds(shell, job);
     }
-    make_table(shell, job);
 }
 
 }  // namespace
@@ -70,6 +70,8 @@ Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
     shell.shift = options.shift;
     shell.rig = std::move(rig);
     take_pose(shell, std::move(refined), job);
+    relax_top_uvs(shell, options.relax_steps, job);
+    make_table(shell, job);
     return shell;
 }
 
@@ -86,7 +88,9 @@ Shell update_shell(const Shell& shell, const Pose& pose, Job& job)
         moved.thickness = rig.full_thickness;
         scale_thickness(moved.thickness, rig.limit.interpolate(pose.thickness_factors, job));
     }
+    moved.top_uvs = shell.top_uvs;  // relaxed once: a pattern that moved with every pose would swim
     take_pose(moved, rig.limit.evaluate(pose.positions, pose.normals, job), job);
+    make_table(moved, job);
     return moved;
 }
 

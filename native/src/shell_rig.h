@@ -11,8 +11,7 @@ namespace mesoshell {
 
 struct ShellRig {
     ShellRig(const Surface& surface, const ShellOptions& options, Job& job)
-        : limit(surface, options.refinement, job), director_smoothing(options.director_smoothing), repair(options.repair),
-          relax_steps(options.relax_steps)
+        : limit(surface, options.refinement, job), director_smoothing(options.director_smoothing), repair(options.repair)
     {
     }
 
@@ -24,7 +23,6 @@ struct ShellRig {
     int director_smoothing;
     FaceLists smoothed;  // none without smoothing
     bool repair;
-    int relax_steps;
 };
 
 }  // namespace mesoshell

@@ -224,10 +224,13 @@ PrismSpan level_span(Prism prism, vec3 origin, vec3 dir, float w)
     vec4 start = vec4(1.0f - middle.x - middle.y + dot(slopes.q0, offset), middle.x + dot(slopes.q1, offset),
                       middle.y + dot(slopes.q2, offset), middle.z + dot(slopes.w, offset));
     vec4 slope = vec4(dot(slopes.q0, dir), dot(slopes.q1, dir), dot(slopes.q2, dir), dot(slopes.w, dir));
+    // Along the ray columns lean otherwise than where the derivative is taken, by as much as directors differ.
+    float turn = length(prism.director[1] - prism.director[0]) + length(prism.director[2] - prism.director[0]);
+    float rim = SHARED_RIM + 0.25f * turn * abs(slope.w);
     vec2 range = vec2(-3.0e38f, 3.0e38f);
-    range = clip_range(range, start.x + SHARED_RIM, slope.x);
-    range = clip_range(range, start.y + SHARED_RIM, slope.y);
-    range = clip_range(range, start.z + SHARED_RIM, slope.z);
+    range = clip_range(range, start.x + rim, slope.x);
+    range = clip_range(range, start.y + rim, slope.y);
+    range = clip_range(range, start.z + rim, slope.z);
     range = clip_range(range, start.w, slope.w);
     range = clip_range(range, 1.0f - start.w, -slope.w);
     // A prism without volume bounds nothing.
@@ -253,7 +256,7 @@ float end_height(PrismPath path, float w, float w_inside)
     return abs(path_area(path, w)) > 1.0e-5f * abs(area_middle) ? w : mix(w, w_inside, 1.0f / 64.0f);
 }
 
-// The nearest stretch of the ray inside the prism that begins beyond t_after.
+// The nearest stretch of the ray inside the prism that ends beyond t_after. (Two may begin where one of them also ends.)
 PrismSpan next_span(PrismPath path, float t_after)
 {
     PrismSpan span;
@@ -283,15 +286,15 @@ PrismSpan next_span(PrismPath path, float t_after)
             float t_open = path_depth(path, w_low);
             float t_close = path_depth(path, w_high);
             bool climbs = t_open <= t_close;
-            float t_in = climbs ? t_open : t_close;
-            if (t_in > t_after) {
+            float t_out = climbs ? t_close : t_open;
+            if (t_out > t_after) {
                 span.last = !span.found;
-                if (t_in < span.t_in) {
+                if (t_out < span.t_out) {
                     vec3 q_open = path_coordinates(path, w_low);
                     vec3 q_close = path_coordinates(path, w_high);
                     span.found = true;
-                    span.t_in = t_in;
-                    span.t_out = climbs ? t_close : t_open;
+                    span.t_in = climbs ? t_open : t_close;
+                    span.t_out = t_out;
                     span.q_in = climbs ? q_open : q_close;
                     span.q_out = climbs ? q_close : q_open;
                 }

@@ -140,7 +140,7 @@ bool in_gap(FinPlanes fin, float t)
     return t >= fin.gap_low && t < fin.gap_high;
 }
 
-// The nearest stretch of the ray inside the prism that begins beyond t_after.
+// The nearest stretch of the ray inside the prism that ends beyond t_after.
 PrismSpan plane_span(Prism prism, vec3 origin, vec3 dir, float t_after)
 {
     vec3 base_0 = prism.base[0] - origin;

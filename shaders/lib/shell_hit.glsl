@@ -51,7 +51,7 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
             break;
         }
         bool last = span.last;
-        t_after = span.t_in;
+        t_after = span.t_out;
         span = clip_span(path, span, t_near);
         if (!span.found && last) {
             break;

@@ -103,6 +103,27 @@ TEST(FindFolds, ValleysFoldWhereTheNextColumnsMeet)
               0u);
 }
 
+TEST(FindFolds, APartInsideAPrismOfAnother)
+{
+    // A small sphere between a plate and its top, in the middle of one large prism: their boundaries do not cross.
+    SurfaceMesh ball = round_octahedron(2);
+    for (glm::vec3& p : ball.positions) {
+        p = glm::vec3(3.0f, 1.5f, 0.5f) + 0.1f * p;
+    }
+    const SurfaceMesh mesh = joined(flat_grid(1, 1, 4.0f, 4.0f), ball);
+    Shell shell = mesh.shell(0.2f);
+    std::fill(shell.thickness.begin() + 4, shell.thickness.end(), 0.01f);
+    EXPECT_EQ(count(find_folds(shell).intersecting), 0u);
+    std::fill(shell.thickness.begin(), shell.thickness.begin() + 4, 1.5f);
+    const Folds folds = find_folds(shell);
+    for (std::size_t p = 2; p < folds.intersecting.size(); ++p) {
+        EXPECT_EQ(folds.intersecting[p], 1) << p;
+    }
+    EXPECT_EQ(folds.intersecting[0] + folds.intersecting[1], 1);
+    EXPECT_EQ(count(folds.base), 0u);
+    EXPECT_EQ(count(folds.inverted), 0u);
+}
+
 TEST(FindFolds, CrossingSurfacesAreOfTheBase)
 {
     SurfaceMesh mesh = flat_grid(1, 1, 2.0f, 2.0f);

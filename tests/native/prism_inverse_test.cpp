@@ -29,18 +29,6 @@ double largest(const glm::dvec3& v)
     return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
 }
 
-glm::dvec2 texture_at(const PrismTexels& t, const glm::dvec3& q)
-{
-    const double u[6] = {t[0].w, t[1].w, t[2].w, t[3].w, t[4].w, t[5].w};
-    const double v[6] = {t[6].x, t[6].y, t[6].z, t[6].w, t[7].x, t[7].y};
-    const double weights[3] = {1.0 - q.x - q.y, q.x, q.y};
-    glm::dvec2 sum(0.0);
-    for (int i = 0; i < 3; ++i) {
-        sum += weights[i] * ((1.0 - q.z) * glm::dvec2(u[i], v[i]) + q.z * glm::dvec2(u[i + 3], v[i + 3]));
-    }
-    return sum;
-}
-
 // The map's Jacobian has one sign on a lattice of the prism, as far from zero as a tenth of its value in the middle.
 bool folds(const PrismTruth& truth)
 {

@@ -189,16 +189,79 @@ TEST(Realize, BentTrianglesFollowTheBilinearMap)
     EXPECT_GT(on_roof, 50);
 }
 
-TEST(Realize, TopWithOtherUvs)
+// A flat quad's shell whose top shows the pattern moved by `shift` tiles, in the prism table alone.
+Shell slanted(const SurfaceMesh& surface, float thickness, const glm::vec2& shift)
+{
+    Shell shell = surface.shell(thickness);
+    for (PrismTexels& prism : shell.prisms) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            prism[i + 3].w += shift.x;
+            prism[6 + (i + 3) / 4][static_cast<int>((i + 3) % 4)] += shift.y;
+        }
+    }
+    return shell;
+}
+
+TEST(Realize, TopWithMovedUvsShearsTheSolid)
+{
+    // (u, v) = (x, y) + w * shift: the solid leans by -shift * w, its volume stays. Balls that no outline cuts, leaning or not.
+    const float thickness = 0.5f;
+    const Sample sample = sphere({0.5f, 0.5f, 0.25f}, 0.2f, 12, 16).sample(thickness);
+    const glm::vec2 shift(0.25f, -0.125f);
+    const SurfaceMesh surface = flat_grid(2, 2, 2.0f, 2.0f);
+    Job job;
+    const RealizedMesh upright = realize(surface.shell(thickness), sample, job);
+    const RealizedMesh leaning = realize(slanted(surface, thickness, shift), sample, job);
+    EXPECT_NEAR(volume_of(leaning), volume_of(upright), rounding);
+    for (const glm::vec3& p : leaning.positions) {
+        // Back where it stood, every vertex lies on a ball: between the polyhedron's inner and outer radius.
+        const glm::vec2 back = glm::vec2(p) + shift * (p.z / thickness);
+        const glm::vec3 from(back.x - std::floor(back.x) - 0.5f, back.y - std::floor(back.y) - 0.5f, p.z - 0.25f);
+        ASSERT_LT(glm::length(from), 0.2f + 1e-5f);
+        ASSERT_GT(glm::length(from), 0.2f * std::cos(3.14159f / 12) * std::cos(3.14159f / 16) - 1e-5f);
+    }
+}
+
+TEST(Realize, TopWithLargerUvsTapersTheSolid)
+{
+    // UVs of the top are 1.5 times those of the base about the origin: a slab's sheet at height w keeps its area, for it covers the
+    // prism whatever its UVs, and stays flat.
+    Shell shell = flat_grid(2, 2, 1.0f, 1.0f).shell(0.4f);
+    for (PrismTexels& prism : shell.prisms) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            prism[i + 3].w *= 1.5f;
+            prism[6 + (i + 3) / 4][static_cast<int>((i + 3) % 4)] *= 1.5f;
+        }
+    }
+    Job job;
+    const RealizedMesh sheets = realize(shell, slab(0.1f, 0.3f).sample(0.4f), job);
+    EXPECT_NEAR(area_of(sheets), 2.0, rounding);
+    // A wall at u = 0.6, as high as the roof is, stands at x = 0.6 / (1 + w / 2) then: a vertex on it does.
+    const RealizedMesh roof = realize(shell, sawtooth(0.02f, 0.05f, 0.35f, 0.6f, 1.0f, 4, 1).sample(0.4f), job);
+    int on_wall = 0;
+    for (const glm::uvec3& t : roof.triangles) {
+        const glm::dvec3 a = corner(roof, t, 0);
+        const glm::dvec3 normal = glm::normalize(glm::cross(corner(roof, t, 1) - a, corner(roof, t, 2) - a));
+        if (std::abs(normal.x) > 0.9) {
+            for (int i = 0; i < 3; ++i) {
+                const glm::dvec3 p = corner(roof, t, i);
+                const double u = p.x * (1.0 + 0.5 * p.z / 0.4f);
+                ASSERT_NEAR(u - std::floor(u), 0.6, 2e-3);
+            }
+            on_wall += 1;
+        }
+    }
+    EXPECT_GT(on_wall, 4);
+}
+
+TEST(Realize, UvsThatTurnOverAreRefused)
 {
     Shell shell = flat_grid(1, 1, 1.0f, 1.0f).shell(0.4f);
     const Sample sample = slab(0.1f, 0.3f).sample(0.4f);
-    for (const bool u : {true, false}) {
-        Shell other = shell;
-        (u ? other.prisms[1][4].w : other.prisms[1][7].x) += 0.25f;
-        Job job;
-        expect_refusal<InvalidArgument>([&] { realize(other, sample, job); }, {"prism 1", "UVs"});
-    }
+    std::swap(shell.prisms[1][3].w, shell.prisms[1][4].w);
+    std::swap(shell.prisms[1][6].w, shell.prisms[1][7].x);
+    Job job;
+    expect_refusal<InvalidArgument>([&] { realize(shell, sample, job); }, {"prism 1", "turn over"});
 }
 
 TEST(Realize, PrismThatCoversNoTextureIsEmpty)

@@ -25,12 +25,13 @@ struct Folds {
 // Inverted: exact (src/fold_jacobian.h), on the corners that the prism table holds.
 //
 // Intersecting: with no prism inverted, the shell overlaps itself exactly if its boundary does, a map without folds that is
-// injective on the boundary being injective; so the triangles of its base and top and its fins along borders are intersected.
-// Exact for triangles and for plane fins, for others to a 64th of their bulge (src/fold_crossing.h); touching is no overlap. Where
-// prisms are inverted, the fins between prisms are intersected as well. Prisms without thickness at all corners have no inside.
+// injective on the boundary being injective; so the triangles of its base and top and its fins along borders are intersected, and
+// the fins around inverted prisms, whose own overlaps with one another are not asked for. From there overlaps are followed from
+// neighbor to neighbor. Exact for triangles and for plane fins, for others to a 64th of their bulge (src/fold_crossing.h); touching
+// is no overlap. Prisms without thickness at all corners have no inside.
 //
 // The base: surface triangles that cross one another; three prisms at one edge, of which two lie on the same side; prisms whose
-// directors lie behind them and around whose vertex no direction is in front of all faces; prisms that share a vertex and
+// directors lie behind them, at a vertex around which no direction is in front of all faces; prisms that share a vertex and
 // overlap at a 128th of their thickness too.
 Folds find_folds(const Shell& shell, Job& job);
 inline Folds find_folds(const Shell& shell)
@@ -43,7 +44,7 @@ inline Folds find_folds(const Shell& shell)
 constexpr float repair_slope = 0.5f;
 
 // Lowers the thickness of vertices, and turns directors that lie behind faces, until find_folds reports no prism but those
-// marked `base`. To be called before make_table; what the thickness is at the call is what was asked, and no vertex gets more.
+// marked `base`, of which none are inverted: where no direction is in front of all faces the thickness becomes 0. To be called before make_table; what the thickness is at the call is what was asked, and no vertex gets more.
 // Along every edge of a prism the lost share of the asked thickness changes by at most repair_slope * length / the greatest asked
 // thickness. The result depends on the shell alone, not on the number of threads.
 void repair_folds(Shell& shell, Job& job);

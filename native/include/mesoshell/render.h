@@ -64,6 +64,8 @@ std::vector<PrismSpan> prism_spans(const PrismTexels& prism, const glm::vec3& or
 // The maps of a prism as the shader text computes them. Prism coordinates: weights of corners 1 and 2, and height.
 glm::vec3 prism_position(const PrismTexels& prism, const glm::vec3& q);
 glm::vec3 prism_texture(const PrismTexels& prism, const glm::vec3& q);
+// A gradient of metric texture space carried to object space; scale = (1, aspect, height). Not normalized.
+glm::vec3 prism_normal(const PrismTexels& prism, const glm::vec3& q, const glm::vec3& scale, const glm::vec3& gradient_metric);
 
 // Their inverses: prism coordinates, 1e-5 exact for prisms that do not fold; nothing for a point outside the prism by more
 // than roundings of its coordinates, or where its texture triangle has no area.
