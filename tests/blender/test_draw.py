@@ -22,8 +22,8 @@ def instance(part, native):
     """instance(world_from_object, traversal): the chain-mail torus, as the handler would draw it."""
     shells = part("host.shells")
 
-    def make(world_from_object=np.eye(4), traversal="sdf"):
-        settings = shells.ShellSettings(traversal, (0.6, 0.5, 0.4, 1.0))
+    def make(world_from_object=np.eye(4), traversal="sdf", fins="exact"):
+        settings = shells.ShellSettings(traversal, (0.6, 0.5, 0.4, 1.0), fins)
         # Versions that no shell of another test has.
         return shells.ShellInstance("Torus", mail_scenes.torus_shell(native), mail_scenes.chain_map(native), world_from_object,
                                     settings, -1, -1, ("torus",), {})
@@ -37,6 +37,17 @@ def test_draw_matches_render(part, native, instance, view, traversal):
     clip_from_world = mail_scenes.VIEWS[view]
     texels, depth = part("gpu.offscreen").picture([instance(traversal=traversal)], clip_from_world, SIZE, output="texture")
     compare(native, texels, depth, clip_from_world, traversal)
+
+
+def test_the_papers_fins_are_drawn_as_they_are_rendered(part, native, instance):
+    """Two planes a fin: another picture than that of bilinear ones, and the reference renderer's."""
+    clip_from_world = mail_scenes.VIEWS["above"]
+    drawn = {fins: part("gpu.offscreen").picture([instance(fins=fins)], clip_from_world, SIZE, output="texture")
+             for fins in ("exact", "paper")}
+    assert (drawn["exact"][0] != drawn["paper"][0]).any()
+    record = part("gpu.draw").settings_record(traversal="sdf", base_color=(1, 1, 1, 1), lights=None,
+                                              world_from_object=np.eye(4), fins="paper")
+    compare(native, *drawn["paper"], clip_from_world, "sdf", settings=record.tobytes())
 
 
 def test_mirrored_and_sheared_object_matches_render(part, native, instance):
@@ -132,9 +143,9 @@ def test_another_version_of_a_shell_replaces_the_one_before(part, native, instan
     np.testing.assert_array_equal(depth, expected)
 
 
-def compare(native, texels, depth, clip_from_object, traversal):
+def compare(native, texels, depth, clip_from_object, traversal, **settings):
     picture = native.render(mail_scenes.torus_shell(native), mail_scenes.chain_map(native), clip_from_object=clip_from_object,
-                            size=SIZE, traversal=traversal)
+                            size=SIZE, traversal=traversal, **settings)
     drawn, rendered = depth < 1.0, picture["hit"] == 1
     assert rendered.mean() > 0.1, "the view shows too little to compare"
     both = drawn & rendered

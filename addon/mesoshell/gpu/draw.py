@@ -31,7 +31,7 @@ def settings_record(*, traversal, base_color, lights, world_from_object, output=
     return record
 
 
-def draw_shell(instance, clip_from_world, lights, *, output="color", fins="exact"):
+def draw_shell(instance, clip_from_world, lights, *, output="color"):
     """Draw one ShellInstance (host/shells.py) with depth test and depth write; the state is as before afterwards.
 
     Colors are linear: the viewport's framebuffer encodes sRGB as it is written.
@@ -48,7 +48,7 @@ def draw_shell(instance, clip_from_world, lights, *, output="color", fins="exact
         lights=lights,
         world_from_object=world_from_object,
         output=output,
-        fins=fins,
+        fins=instance.settings.fins,
     )
     block = native.module().shell_params(record.tobytes(), instance.map, clip_from_object)
     shader = program.shell_program()

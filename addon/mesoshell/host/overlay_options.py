@@ -31,7 +31,7 @@ class MesoshellOverlays(bpy.types.PropertyGroup):
     most_angle: FloatProperty(name="Range", description="The deviation from a right angle that has the strongest color",
                               subtype='ANGLE', default=1.0471976, min=0.01, max=1.5707963, update=tag_redraw)
 
-    prism_color: _color("Prisms", "Edges of prisms", (0.0, 0.0, 0.0, 0.6))
+    prism_color: _color("Prisms", "Edges of prisms", (0.0, 0.0, 0.0, 0.4))
     fold_color: _color("Folds", "Prisms that fold: less thickness, smoother directors or a repair mend them",
                        (0.9, 0.01, 0.02, 0.75))
     base_fold_color: _color("Base Folds", "Where the surface itself folds or crosses itself: no thickness mends that",
