@@ -187,7 +187,9 @@ PrismSpan plane_span(Prism prism, vec3 origin, vec3 dir, float t_after)
             begin = nearer_of(begin, fin_2.gap_high > least ? fin_2.gap_high : 3.0e38f, 2);
         }
     }
-    if (begin.t <= t_after || begin.t >= end.t || in_gap(fin_0, begin.t) || in_gap(fin_1, begin.t) || in_gap(fin_2, begin.t)) {
+    // Prisms that fold may have no plane that ends them.
+    if (begin.t <= t_after || begin.t >= end.t || end.t >= 3.0e38f || in_gap(fin_0, begin.t) || in_gap(fin_1, begin.t) ||
+        in_gap(fin_2, begin.t)) {
         return span;
     }
     float whole = end.t;
