@@ -1,17 +1,17 @@
-// Where a ray runs inside a prism whose fins are two planes each, as in the paper: a faster, coarser stand-in for the fins of
+// Where a ray runs inside a prism whose fins are two planes each, as in the paper: a coarser stand-in for the fins of
 // prism_path.glsl.
 //
-// GDM paper, section 3.2: each fin is two triangles, of which a ray meets the planes. Where they form a convex side the nearer
-// plane ends the ray, where they form a concave side the farther. The paper says nothing of which diagonal divides a fin; here
-// both prisms beside it choose the same one, so that no ray is lost between them: what is convex for one is concave for the
-// other. The paper rasterizes where rays enter; here the same rule, with the signs turned, says that too.
+// GDM paper, section 3.2: each fin is two triangles, of which a ray meets the planes. Where they form a convex side the
+// nearer plane ends the ray, where they form a concave side the farther. The paper does not say which diagonal divides a
+// fin; here both prisms beside it choose the same one, so that no ray is lost between them: what is convex for one is
+// concave for the other. The paper rasterizes where rays enter; here the same rule, with the signs turned, says that too.
 #ifndef MESOSHELL_LIB_PRISM_PLANES
 #define MESOSHELL_LIB_PRISM_PLANES
 
 #include "prism_path.glsl"
 
-// A ray against the two planes of a fin: inside from `low` to `high`, but for a gap where the ray leaves one side of a concave
-// fin and comes back through the other.
+// A ray against the two planes of a fin: inside from `low` to `high`, but for a gap where the ray leaves through one side of
+// a concave fin and comes back through the other.
 struct FinPlanes {
     float low;
     float high;
