@@ -241,7 +241,7 @@ TEST(Relax, BuildRelaxesTheTable)
     ShellOptions options;
     options.thickness = 0.1f;
     options.relax_steps = 10;
-    std::vector<PrismTexels> prisms;
+    RecycledVector<PrismTexels> prisms;
     for (const int threads : {1, 2, 3}) {
         Job job(threads);
         const Shell shell = build_shell(mesh.surface(), options, job);
