@@ -30,6 +30,8 @@ constexpr float least_share = 1.0f / 1024.0f;
 constexpr int most_rounds = 40;
 // The least thickness in units of the last place of positions: with less, rounding would turn prisms inside out.
 constexpr float least_units = 64.0f;
+constexpr int growths = 2;
+constexpr float growth = 1.15f;
 
 class Repair {
 public:
@@ -58,25 +60,38 @@ public:
         std::fill(changed_.begin(), changed_.end(), std::uint8_t(1));
         const std::vector<std::uint8_t> none_inverted;
         OverlapFinder finder(search_, none_inverted, job_);
-        for (bool everything = true;;) {
-            do {
-                lower_inverted();
-            } while (follow_limits());
-            finder.find(everything ? nullptr : &unmatched_);
-            std::fill(unmatched_.begin(), unmatched_.end(), std::uint8_t(0));
-            lower_overlapping(finder.pairs());
-            if (follow_limits()) {
-                everything = false;
-            } else if (everything) {
-                return;
-            } else {
-                everything = true;
-                std::fill(changed_.begin(), changed_.end(), std::uint8_t(1));
-            }
+        if (!settle(finder, true)) {
+            return;
         }
+        for (int i = 0; i < growths; ++i) {
+            grow();
+            settle(finder, false);
+        }
+        sound_.clear();
+        do {
+            round_ = 0;
+            std::fill(changed_.begin(), changed_.end(), std::uint8_t(1));
+        } while (settle(finder, true));
     }
 
 private:
+    // Lowers what folds until nothing does, examining everything or what has changed. Whether there was anything to lower.
+    bool settle(OverlapFinder& finder, bool everything)
+    {
+        for (bool lowered = false;; everything = false) {
+            for (lower_inverted(); follow_limits(); lower_inverted()) {
+                lowered = true;
+            }
+            finder.find(everything ? nullptr : &unmatched_);
+            std::fill(unmatched_.begin(), unmatched_.end(), std::uint8_t(0));
+            lower_overlapping(finder.pairs());
+            if (!follow_limits()) {
+                return lowered;
+            }
+            lowered = true;
+        }
+    }
+
     template <typename Work>
     void for_each(std::size_t count, const Work& work)
     {
@@ -116,8 +131,40 @@ private:
         }
     }
 
+    // Neighbors that were lowered as well may have left room. Raises all that is lowered, a little; where that folds, settling
+    // takes it back to what it was.
+    void grow()
+    {
+        sound_ = shares_;
+        round_ = 0;
+        std::vector<std::uint32_t> raised;
+        for (std::uint32_t v = 0; v < shares_.size(); ++v) {
+            if (shares_[v] > 0.0f && shares_[v] < 1.0f) {
+                shares_[v] = std::min(1.0f, shares_[v] * growth);
+                limits_[v].store(shares_[v], std::memory_order_relaxed);
+                raised.push_back(v);
+            } else if (shares_[v] == 0.0f) {
+                raised.push_back(v);  // its slope bounds what is around it
+            }
+        }
+        limit_slope(shell_, around(), repair_slope / greatest_, raised, shares_);
+        for (const std::uint32_t v : raised) {
+            shell_.thickness[v] = asked_[v] * shares_[v];
+            for (const std::uint32_t p : around().around(v)) {
+                changed_[p] = unmatched_[p] = 1;
+            }
+        }
+    }
+
     void lower(std::uint32_t prism, float share)
     {
+        if (!sound_.empty()) {
+            for (int i = 0; i < 3; ++i) {
+                const std::uint32_t vertex = search_.vertices(prism)[i];
+                limits_[vertex].store(sound_[vertex], std::memory_order_relaxed);
+            }
+            return;
+        }
         if (round_ >= most_rounds) {
             share = 0.0f;
         }
@@ -202,6 +249,7 @@ private:
     FoldSearch search_;
     std::vector<std::atomic<float>> limits_;
     std::vector<float> shares_;
+    std::vector<float> sound_;  // shares with which nothing folds; none yet while it is empty
     // One a prism: its thickness has changed since its Jacobian, or its overlaps, were examined.
     std::vector<std::uint8_t> changed_;
     std::vector<std::uint8_t> unmatched_;

@@ -45,6 +45,12 @@ glm::dvec3 middle_of(const PrismCorners& prism)
 // most pairs the dozens of exact tests.
 bool separated(const PrismCorners& a, const PrismCorners& b)
 {
+    double farthest = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (const glm::vec3& corner : {a.base[i], a.top[i], b.base[i], b.top[i]}) {
+            farthest = std::max(farthest, glm::length(glm::dvec3(corner)));
+        }
+    }
     const auto apart_along = [&](const glm::dvec3& axis) {
         double least_a = std::numeric_limits<double>::max(), most_a = -least_a, least_b = least_a, most_b = -least_a;
         const auto reach = [&](const PrismCorners& prism, double& least, double& most) {
@@ -56,9 +62,8 @@ bool separated(const PrismCorners& a, const PrismCorners& b)
         };
         reach(a, least_a, most_a);
         reach(b, least_b, most_b);
-        const double largest = std::max(std::max(std::abs(least_a), std::abs(most_a)), std::max(std::abs(least_b), std::abs(most_b)));
-        // Of three products: 3 2^-53 times their sizes, which may cancel; with room to spare.
-        const double size = std::max(largest, glm::length(axis) * glm::length(glm::dvec3(a.base[0])));
+        // Sums of three products are off by less than 4 2^-53 times the lengths of what is multiplied.
+        const double size = glm::length(axis) * farthest;
         return std::max(least_a - most_b, least_b - most_a) > 1e-14 * size;
     };
     for (const PrismCorners* prism : {&a, &b}) {

@@ -17,7 +17,7 @@ PRIMITIVES = {
     "grid": lambda: bpy.ops.mesh.primitive_grid_add(calc_uvs=True),
     "monkey": lambda: bpy.ops.mesh.primitive_monkey_add(calc_uvs=True),
 }
-MODERATE, THICK = 0.05, 0.3  # of primitives about 2 wide
+MODERATE, THICK = 0.04, 0.2  # of primitives about 2 wide
 
 
 @pytest.fixture
