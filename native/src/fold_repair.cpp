@@ -1,7 +1,7 @@
-// Repair of folds. Every vertex has a share of the asked thickness, at most its limit; limits fall where prisms fold, and shares
-// follow them with a bounded slope. A prism whose Jacobian gets too small is cut where it does, which scaling its thickness can
-// tell in closed form; two prisms that overlap are scaled by bisection until they do not. As neighbors are lowered too, but not by
-// as much, that is repeated for what has changed, and ends with an examination of everything.
+// Repair of folds. Every vertex has a share of the asked thickness, at most its limit; limits fall where prisms fold, and
+// shares follow them with a bounded slope. A prism whose Jacobian gets too small is cut where it does, which scaling its
+// thickness can tell in closed form; two prisms that overlap are scaled by bisection until they do not. As neighbors are
+// lowered too, but not by as much, that is repeated for what has changed, and ends with an examination of everything.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -18,14 +18,14 @@ namespace mesoshell {
 namespace {
 
 constexpr std::size_t per_task = 512;
-// A prism keeps at least this much of its Jacobian on the surface: one that all but collapses to a triangle between base and top
-// is sound by the sign of its Jacobian alone, but not by what it does to the pattern.
+// A prism keeps at least this much of its Jacobian on the surface: one that all but collapses to a triangle between base and
+// top is sound by the sign of its Jacobian alone, but not by what it does to the pattern.
 constexpr double least_jacobian = 0.01;
 // Where a closed form or a bisection says by how much to lower, a little more, so that rounding does not bring it back.
 constexpr float margin = 0.98f;
 constexpr int bisections = 7;
-// Less than this of the asked thickness becomes none, and so does what still folds after many rounds: prisms without thickness
-// have no inside, so that the repair ends.
+// Less than this of the asked thickness becomes none, and so does what still folds after many rounds: prisms without
+// thickness have no inside, so that the repair ends.
 constexpr float least_share = 1.0f / 1024.0f;
 constexpr int most_rounds = 40;
 // The least thickness in units of the last place of positions: with less, rounding would turn prisms inside out.
@@ -36,8 +36,14 @@ constexpr float growth = 1.15f;
 class Repair {
 public:
     Repair(Shell& shell, Job& job)
-        : shell_(shell), job_(job), asked_(shell.thickness), search_(shell, job),
-          limits_(shell.thickness.size()), shares_(shell.thickness.size(), 1.0f), changed_(search_.prisms(), 1), unmatched_(search_.prisms(), 0)
+        : shell_(shell),
+          job_(job),
+          asked_(shell.thickness),
+          search_(shell, job),
+          limits_(shell.thickness.size()),
+          shares_(shell.thickness.size(), 1.0f),
+          changed_(search_.prisms(), 1),
+          unmatched_(search_.prisms(), 0)
     {
         for (std::atomic<float>& limit : limits_) {
             limit.store(1.0f, std::memory_order_relaxed);
@@ -111,11 +117,13 @@ private:
         return *around_;
     }
 
-    // Directors that lie behind a face around their vertex, to where they are in front of all; without thickness where nothing is.
+    // Directors that lie behind a face around their vertex, to where they are in front of all; without thickness where
+    // nothing is.
     void turn_directors()
     {
         std::vector<std::uint8_t> hidden(search_.prisms());
-        for_each(search_.prisms(), [&](std::uint32_t p) { hidden[p] = static_cast<std::uint8_t>(search_.hidden_directors(p)); });
+        for_each(search_.prisms(),
+                 [&](std::uint32_t p) { hidden[p] = static_cast<std::uint8_t>(search_.hidden_directors(p)); });
         for (std::uint32_t p = 0; p < search_.prisms(); ++p) {
             for (std::uint32_t i = 0; i < 3; ++i) {
                 if ((hidden[p] >> i & 1) != 0) {
@@ -131,8 +139,8 @@ private:
         }
     }
 
-    // Neighbors that were lowered as well may have left room. Raises all that is lowered, a little; where that folds, settling
-    // takes it back to what it was.
+    // Neighbors that were lowered as well may have left room. Raises all that is lowered, a little; where that folds,
+    // settling takes it back to what it was.
     void grow()
     {
         sound_ = shares_;

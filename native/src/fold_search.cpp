@@ -41,8 +41,8 @@ glm::dvec3 middle_of(const PrismCorners& prism)
     return (glm::dvec3(prism.base[0]) + glm::dvec3(prism.base[1]) + glm::dvec3(prism.base[2])) / 3.0;
 }
 
-// Whether a plane along a face of one keeps the corners, and so all, of two prisms apart by more than rounding can hide. Spares
-// most pairs the dozens of exact tests.
+// Whether a plane along a face of one keeps the corners, and so all, of two prisms apart by more than rounding can hide.
+// Spares most pairs the dozens of exact tests.
 bool separated(const PrismCorners& a, const PrismCorners& b)
 {
     double farthest = 0.0;
@@ -269,7 +269,8 @@ bool FoldSearch::prisms_overlap(std::uint32_t a, std::uint32_t b, float scale) c
 {
     const PrismCorners prism_a = corners(a, scale);
     const PrismCorners prism_b = corners(b, scale);
-    if (prism_a.empty() || prism_b.empty() || !whole_box(prism_a).overlaps(whole_box(prism_b)) || separated(prism_a, prism_b)) {
+    if (prism_a.empty() || prism_b.empty() || !whole_box(prism_a).overlaps(whole_box(prism_b)) ||
+        separated(prism_a, prism_b)) {
         return false;
     }
     const bool base_is_surface = shell_.shift == 0.0f;
