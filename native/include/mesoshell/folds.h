@@ -18,7 +18,7 @@ struct Folds {
     // One a prism, 0 or 1.
     std::vector<std::uint8_t> inverted;      // its map is inside out somewhere within it
     std::vector<std::uint8_t> intersecting;  // it overlaps another
-    std::vector<std::uint8_t> base;          // one of the two, by a fold or crossing of the surface itself: no thickness mends it
+    std::vector<std::uint8_t> base;          // either, as the surface folds or crosses itself: no thickness mends it
     std::vector<glm::uvec2> pairs;           // prisms that overlap, the smaller first, in ascending order
 };
 
@@ -44,10 +44,10 @@ inline Folds find_folds(const Shell& shell)
 constexpr float repair_slope = 0.5f;
 
 // Lowers the thickness of vertices, and turns directors that lie behind faces, until find_folds reports no prism but those
-// marked `base`, of which none are inverted: where no direction is in front of all faces the thickness becomes 0. Prisms keep
-// a hundredth of their Jacobian on the surface at least. To be called before make_table; what the thickness is at the call is
-// what was asked, and no vertex gets more. Along every edge of a prism the kept share of the asked thickness changes by at most
-// repair_slope * length / the greatest asked thickness. The result depends on the shell alone, not on the number of threads.
+// marked `base`, of which none are inverted: where no direction is in front of all faces the thickness becomes 0. Prisms
+// keep a hundredth of their Jacobian on the surface at least. To be called before make_table; what the thickness is at the
+// call is what was asked, and no vertex gets more. Along every edge of a prism the kept share of the asked thickness changes
+// by at most repair_slope * length / the greatest asked thickness. The result depends on the shell alone, not on threads.
 void repair_folds(Shell& shell, Job& job);
 
 }  // namespace mesoshell
