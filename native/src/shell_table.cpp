@@ -11,25 +11,38 @@ namespace {
 
 constexpr int prisms_per_task = 4096;
 
+// The hulls of prism 0 by which of its fins rise along their first diagonal, bit i for the fin from corner i.
+constexpr std::array<PrismIndices, 8> hulls = [] {
+    std::array<PrismIndices, 8> all{};
+    for (std::uint32_t rising = 0; rising < 8; ++rising) {
+        PrismIndices& hull = all[rising];
+        hull = {0, 2, 1, 3, 4, 5};
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t j = (i + 1) % 3;
+            const std::array<std::uint32_t, 6> fin = (rising >> i & 1) != 0 ? std::array<std::uint32_t, 6>{i, j, j + 3, i, j + 3, i + 3}
+                                                                            : std::array<std::uint32_t, 6>{i, j, i + 3, j, j + 3, i + 3};
+            for (std::uint32_t k = 0; k < 6; ++k) {
+                hull[6 + 6 * i + k] = fin[k];
+            }
+        }
+    }
+    return all;
+}();
+
 PrismIndices hull_indices(const PrismTexels& texels, std::uint32_t prism)
 {
     const auto corner = [&](int i) { return glm::vec3(texels[i]); };
-    std::array<std::uint32_t, 24> local{0, 2, 1, 3, 4, 5};
-    std::size_t used = 6;
-    for (std::uint32_t i = 0; i < 3; ++i) {
-        const std::uint32_t j = (i + 1) % 3;
+    std::uint32_t rising = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
         const glm::vec3 outward = glm::cross(corner(j) - corner(i), corner(j + 3) - corner(i));
-        const bool rising = glm::dot(outward, corner(i + 3) - corner(i)) <= 0.0f;
-        const std::array<std::uint32_t, 6> fin = rising ? std::array<std::uint32_t, 6>{i, j, j + 3, i, j + 3, i + 3}
-                                                        : std::array<std::uint32_t, 6>{i, j, i + 3, j, j + 3, i + 3};
-        for (const std::uint32_t index : fin) {
-            local[used++] = index;
-        }
+        rising |= (glm::dot(outward, corner(i + 3) - corner(i)) <= 0.0f ? 1u : 0u) << i;
     }
-    for (std::uint32_t& index : local) {
+    PrismIndices hull = hulls[rising];
+    for (std::uint32_t& index : hull) {
         index += 6 * prism;
     }
-    return local;
+    return hull;
 }
 
 PrismTexels texels_of(const Shell& shell, std::size_t prism)
