@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 #include "parallel.h"
 #include "shell_rig.h"
 
@@ -63,6 +67,31 @@ PrismTexels texels_of(const Shell& shell, std::size_t prism)
     return texels;
 }
 
+// Rows that this thread has stored are seen by others before what it does next.
+void order_stores()
+{
+#ifdef __SSE2__
+    _mm_sfence();
+#endif
+}
+
+// Writes a row of a table that is larger than any cache and is not read again here: without first reading what was there, where the
+// processor can. Rows and tables begin at multiples of 16 bytes.
+template <typename Row>
+void store(Row& place, const Row& row)
+{
+    static_assert(sizeof(Row) % 16 == 0);
+#ifdef __SSE2__
+    const auto* from = reinterpret_cast<const char*>(&row);
+    auto* to = reinterpret_cast<char*>(&place);
+    for (std::size_t i = 0; i < sizeof(Row); i += 16) {
+        _mm_stream_si128(reinterpret_cast<__m128i*>(to + i), _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + i)));
+    }
+#else
+    place = row;
+#endif
+}
+
 }  // namespace
 
 void make_table(Shell& shell, Job& job)
@@ -85,9 +114,10 @@ void make_table(Shell& shell, Job& job)
                 box.lower = glm::min(box.lower, glm::vec3(texels[corner]));
                 box.upper = glm::max(box.upper, glm::vec3(texels[corner]));
             }
-            shell.prisms[p] = texels;
-            shell.indices[p] = hull_indices(texels, static_cast<std::uint32_t>(p));
+            store(shell.prisms[p], texels);
+            store(shell.indices[p], hull_indices(texels, static_cast<std::uint32_t>(p)));
         }
+        order_stores();
     }, 0.0f);
     Bounds all;
     for (const Bounds& box : bounds) {
