@@ -89,6 +89,18 @@ def test_folds_are_drawn_where_they_are(part, native, settings, instance, view):
     assert np.median(color[only_own], axis=0)[:3].tolist() == [1, 0, 0]
 
 
+def test_hidden_folds_shine_through(part, native, settings, instance):
+    """Behind what hides them all, edges of folds are still seen, fainter than in front."""
+    shell = mail_scenes.torus_shell(native)
+    one = (np.arange(shell.prism_count) == 40).astype(np.uint8)
+    drawn = instance(folds={"inverted": one, "intersecting": 0 * one, "base": 0 * one})
+    settings.show_folds = True
+    plain = draw(part, drawn, settings)[..., 0]
+    hidden = draw(part, drawn, settings, occluder=lambda: gpu.state.active_framebuffer_get().clear(depth=0.0))[..., 0]
+    assert (hidden > 0.0).sum() > 20 and hidden.sum() < 0.5 * plain.sum()
+    assert spread(plain > 0.0)[hidden > 0.0].all()
+
+
 def test_stretch_colors_the_top(part, native, settings, instance):
     """Even stretch has one color: that of its logarithm between 1 / most and most."""
     shell = mail_scenes.torus_shell(native)

@@ -14,6 +14,7 @@ from ..host import shell_checks, versions
 _NEARER = 0.002
 _LINE_WIDTH, _SEAM_WIDTH = 1.0, 3.0  # pixels
 _FIN_OPACITY = 0.35  # of a cut seam's color, on the fin above it
+_HIDDEN_OPACITY = 0.35  # of the edges of folds behind what hides them: most lie deep in a narrow place
 
 # What none of this many draws showed is dropped.
 _IDLE_DRAWS = 240
@@ -90,6 +91,9 @@ def _draw_folds(instance, settings, size):
     own, base = _kept(instance, "folds", None, _folds)
     for batches, color in ((base, settings.base_fold_color), (own, settings.fold_color)):
         if batches is not None:
+            gpu.state.depth_test_set("ALWAYS")
+            _draw_lines(batches[1], (*color[:3], _HIDDEN_OPACITY), _LINE_WIDTH, size)
+            gpu.state.depth_test_set("LESS_EQUAL")
             _fill(batches[0], color)
             _draw_lines(batches[1], (*color[:3], 1.0), _LINE_WIDTH, size)
 

@@ -50,7 +50,7 @@ def show(name, classes=CLASSES):
     with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
         for cls in classes:
             bpy.ops.wm.call_panel('INVOKE_DEFAULT', name=cls.__name__, keep_open=True)
-            bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=1)
+        bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=1)
 
 
 def states():
