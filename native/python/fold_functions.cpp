@@ -14,8 +14,8 @@ PyObject* py_find_folds(PyObject* module, PyObject* args, PyObject* kwargs)
         PyObject* shell = nullptr;
         PyObject* progress = nullptr;
         int threads = 0;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$iO:find_folds", const_cast<char**>(names), state.shell_type, &shell,
-                                         &threads, &progress)) {
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$iO:find_folds", const_cast<char**>(names), state.shell_type,
+                                         &shell, &threads, &progress)) {
             return nullptr;
         }
         const auto held = unbox<Shell>(shell);
@@ -35,9 +35,9 @@ PyObject* py_find_folds(PyObject* module, PyObject* args, PyObject* kwargs)
 PyMethodDef functions[] = {
     {"find_folds", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_find_folds)), METH_VARARGS | METH_KEYWORDS,
      "find_folds(shell, *, threads=0, progress=None)\n--\n\n"
-     "Prisms that are turned inside out or overlap others: a dict of arrays, one a prism, inverted uint8 [p], intersecting uint8 "
-     "[p], and base uint8 [p], 1 where the surface itself is folded or crosses itself, which no thickness mends; and pairs uint32 "
-     "[k, 2], prisms that overlap. After repair only prisms marked in base are inverted or intersecting."},
+     "Prisms that are turned inside out or overlap others: a dict of arrays, one a prism, inverted uint8 [p], intersecting "
+     "uint8 [p], and base uint8 [p], 1 where the surface itself is folded or crosses itself, which no thickness mends; and "
+     "pairs uint32 [k, 2], prisms that overlap. After repair only prisms marked in base overlap, and none is inverted."},
     {nullptr, nullptr, 0, nullptr},
 };
 

@@ -13,8 +13,8 @@ const Shell& self_of(PyObject* self)
 }
 
 // A getter's view of rows that the shell holds.
-template <typename Row>
-PyObject* rows(PyObject* self, const std::vector<Row>& values, char format, std::vector<Py_ssize_t> axes)
+template <typename Vector>
+PyObject* rows(PyObject* self, const Vector& values, char format, std::vector<Py_ssize_t> axes)
 {
     return guarded(state_of(self), [&] {
         axes.insert(axes.begin(), static_cast<Py_ssize_t>(values.size()));

@@ -36,8 +36,8 @@ PyObject* py_stretch(PyObject* module, PyObject* args, PyObject* kwargs)
         PyObject *shell = nullptr, *progress = Py_None;
         Proportions proportions;
         int threads = 0;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$ddiO:stretch", const_cast<char**>(names), state.shell_type, &shell,
-                                         &proportions.aspect, &proportions.height, &threads, &progress)) {
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$ddiO:stretch", const_cast<char**>(names), state.shell_type,
+                                         &shell, &proportions.aspect, &proportions.height, &threads, &progress)) {
             return nullptr;
         }
         const std::shared_ptr<const Shell> held = unbox<Shell>(shell);
@@ -60,12 +60,13 @@ PyObject* py_stretch(PyObject* module, PyObject* args, PyObject* kwargs)
 PyMethodDef stretch_functions[] = {
     {"seams", py_seams, METH_VARARGS,
      "seams(shell)\n--\n\n"
-     "Edges where the pattern does not continue, since UVs on both sides differ by other than whole tiles or are mirrored: a dict "
-     "of edges [s, 2, 3] at the base, tops [s, 2, 3] and count."},
+     "Edges where the pattern does not continue, since UVs on both sides differ by other than whole tiles or are mirrored: "
+     "a dict of edges [s, 2, 3] at the base, tops [s, 2, 3] and count."},
     {"stretch", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_stretch)), METH_VARARGS | METH_KEYWORDS,
      "stretch(shell, *, aspect=0.0, height=0.0, threads=0, progress=None)\n--\n\n"
-     "A dict of rms [p] (1: no stretch), angle [p] between the texture axes in radians, total, infinite (prisms whose UVs have no "
-     "area) and the aspect and height that were used, tile widths: those given or, where 0, those at which the total is least."},
+     "A dict of rms [p] (1: no stretch), angle [p] between the texture axes in radians, total, infinite (prisms whose UVs have "
+     "no area) and the aspect and height that were used, tile widths: those given or, where 0, those at which the total is "
+     "least."},
     {nullptr, nullptr, 0, nullptr},
 };
 

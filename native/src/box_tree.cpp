@@ -48,9 +48,14 @@ BoxTree::BoxTree(std::span<const Box> boxes, Job& job) : order_(boxes.size())
             work(i);
         }
     };
-    parallel_for(job, tasks, [&](int task) {
-        in_task(task, [&](std::size_t i) { bounds[static_cast<std::size_t>(task)] = merged(bounds[static_cast<std::size_t>(task)], boxes[i]); });
-    }, 0.0f);
+    parallel_for(
+        job, tasks,
+        [&](int task) {
+            in_task(task, [&](std::size_t i) {
+                bounds[static_cast<std::size_t>(task)] = merged(bounds[static_cast<std::size_t>(task)], boxes[i]);
+            });
+        },
+        0.0f);
     Box all = nothing;
     for (const Box& box : bounds) {
         all = merged(all, box);
@@ -59,14 +64,18 @@ BoxTree::BoxTree(std::span<const Box> boxes, Job& job) : order_(boxes.size())
     const double size = glm::max(glm::max(all.upper.x - origin.x, all.upper.y - origin.y), all.upper.z - origin.z);
     const double scale = size > 0.0 ? 2097151.0 / size : 0.0;
     std::vector<std::pair<std::uint64_t, std::uint32_t>> codes(boxes.size());
-    parallel_for(job, tasks, [&](int task) {
-        in_task(task, [&](std::size_t i) {
-            const glm::dvec3 place = glm::clamp((0.5 * (glm::dvec3(boxes[i].lower) + glm::dvec3(boxes[i].upper)) - origin) * scale, 0.0, 2097151.0);
-            codes[i] = {spread(static_cast<std::uint64_t>(place.x)) | spread(static_cast<std::uint64_t>(place.y)) << 1 |
-                            spread(static_cast<std::uint64_t>(place.z)) << 2,
-                        static_cast<std::uint32_t>(i)};
-        });
-    }, 0.0f);
+    parallel_for(
+        job, tasks,
+        [&](int task) {
+            in_task(task, [&](std::size_t i) {
+                const glm::dvec3 place = glm::clamp(
+                    (0.5 * (glm::dvec3(boxes[i].lower) + glm::dvec3(boxes[i].upper)) - origin) * scale, 0.0, 2097151.0);
+                codes[i] = {spread(static_cast<std::uint64_t>(place.x)) | spread(static_cast<std::uint64_t>(place.y)) << 1 |
+                                spread(static_cast<std::uint64_t>(place.z)) << 2,
+                            static_cast<std::uint32_t>(i)};
+            });
+        },
+        0.0f);
     oneapi::tbb::task_arena arena(job.threads() > 0 ? job.threads() : oneapi::tbb::task_arena::automatic);
     arena.execute([&] { oneapi::tbb::parallel_sort(codes.begin(), codes.end()); });
     for (std::size_t i = 0; i < codes.size(); ++i) {

@@ -1,5 +1,6 @@
-// A tree of boxes that is asked which of them overlap one box. Embree has no such query (its rtcCollide hands out all pairs of
-// two scenes, in no order); here the visits of one box come in a fixed order, may stop early, and boxes may shrink in place.
+// A tree of boxes that is asked which of them overlap one box. Embree has no such query (its rtcCollide hands out all pairs
+// of two scenes, in no order); here the visits of one box come in a fixed order, may stop early, and boxes may shrink in
+// place.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@ struct Box {
     glm::vec3 upper;
     bool overlaps(const Box& other) const
     {
-        return lower.x <= other.upper.x && other.lower.x <= upper.x && lower.y <= other.upper.y && other.lower.y <= upper.y &&
-               lower.z <= other.upper.z && other.lower.z <= upper.z;
+        return lower.x <= other.upper.x && other.lower.x <= upper.x && lower.y <= other.upper.y &&
+               other.lower.y <= upper.y && lower.z <= other.upper.z && other.lower.z <= upper.z;
     }
     void extend(const glm::vec3& point)
     {

@@ -29,8 +29,8 @@ void check_factors(const Surface& surface, std::span<const float> factors)
     }
     for (std::size_t i = 0; i < factors.size(); ++i) {
         if (!(factors[i] >= 0.0f && factors[i] <= 1.0f)) {
-            throw InvalidArgument("the thickness factor of vertex " + std::to_string(i) + " is " + std::to_string(factors[i]) +
-                                  "; give 0 to 1");
+            throw InvalidArgument("the thickness factor of vertex " + std::to_string(i) + " is " +
+                                  std::to_string(factors[i]) + "; give 0 to 1");
         }
     }
 }
@@ -67,8 +67,8 @@ void check_placement(const Placement& placement)
 {
     if (!std::isfinite(placement.scale.x) || !std::isfinite(placement.scale.y) || placement.scale.x == 0.0f ||
         placement.scale.y == 0.0f) {
-        throw InvalidArgument("the UV scale is " + std::to_string(placement.scale.x) + ", " + std::to_string(placement.scale.y) +
-                              "; give numbers other than 0");
+        throw InvalidArgument("the UV scale is " + std::to_string(placement.scale.x) + ", " +
+                              std::to_string(placement.scale.y) + "; give numbers other than 0");
     }
     if (!std::isfinite(placement.rotation)) {
         throw InvalidArgument("the UV rotation is not finite; give an angle");

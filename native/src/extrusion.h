@@ -7,8 +7,8 @@
 
 namespace mesoshell {
 
-// Throws InvalidArgument, as build_shell does, for covered faces, thickness factors, an image, an offset, smoothing, relaxation
-// or a placement that cannot be meant.
+// Throws InvalidArgument, as build_shell does, for covered faces, thickness factors, an image, an offset, smoothing,
+// relaxation or a placement that cannot be meant.
 void check_extrusion(const Surface& surface, const ShellOptions& options);
 
 // Leaves out the prisms whose three columns have thickness 0. `thickness` is one a vertex. Throws Error if none is left.

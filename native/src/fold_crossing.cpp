@@ -29,7 +29,8 @@ public:
     {
         const glm::dvec3 d = glm::dvec3(point) - origin_;
         const double value = glm::dot(d, normal_);
-        const double error = 8.0 * 0x1p-53 * (std::abs(d.x) * reach_.x + std::abs(d.y) * reach_.y + std::abs(d.z) * reach_.z);
+        const double error =
+            8.0 * 0x1p-53 * (std::abs(d.x) * reach_.x + std::abs(d.y) * reach_.y + std::abs(d.z) * reach_.z);
         if (std::abs(value) > error) {
             return value > 0.0 ? 1 : -1;
         }
@@ -142,8 +143,9 @@ bool hulls_cross(const Hull& a, const Triangle& b, Inside inside_b)
 {
     for (std::size_t i = 0; i < a.count; ++i) {
         const Triangle& face = a.triangles[i];
-        const bool plane = a.count == 2;  // else it is no piece of the boundary, and contact with it means nothing
-        if (plane ? crossing(face, Inside::back, b, inside_b) : on_both_sides(sides(b, face)) && crossing(face, Inside::back, b, inside_b)) {
+        const bool plane = a.count == 2;  // else it is no piece of the boundary, and lying in its plane means nothing
+        if (plane ? crossing(face, Inside::back, b, inside_b)
+                  : on_both_sides(sides(b, face)) && crossing(face, Inside::back, b, inside_b)) {
             return true;
         }
     }
@@ -154,7 +156,9 @@ bool hulls_cross(const Hull& a, const Hull& b)
 {
     for (std::size_t i = 0; i < b.count; ++i) {
         const Triangle& face = b.triangles[i];
-        const auto meets = [&](const Triangle& other) { return a.count == 2 && b.count == 2 ? true : on_both_sides(sides(face, other)); };
+        const auto meets = [&](const Triangle& other) {
+            return (a.count == 2 && b.count == 2) || on_both_sides(sides(face, other));
+        };
         for (std::size_t j = 0; j < a.count; ++j) {
             if (meets(a.triangles[j]) && crossing(a.triangles[j], Inside::back, face, Inside::back)) {
                 return true;
@@ -202,8 +206,8 @@ std::array<Patch, 4> quarters(const Patch& p)
     const auto middle = [](const glm::vec3& a, const glm::vec3& b) { return 0.5f * (a + b); };
     const glm::vec3 sides[4] = {middle(p[0], p[1]), middle(p[1], p[2]), middle(p[2], p[3]), middle(p[3], p[0])};
     const glm::vec3 center = middle(sides[0], sides[2]);
-    return {Patch{p[0], sides[0], center, sides[3]}, Patch{sides[0], p[1], sides[1], center}, Patch{center, sides[1], p[2], sides[2]},
-            Patch{sides[3], center, sides[2], p[3]}};
+    return {Patch{p[0], sides[0], center, sides[3]}, Patch{sides[0], p[1], sides[1], center},
+            Patch{center, sides[1], p[2], sides[2]}, Patch{sides[3], center, sides[2], p[3]}};
 }
 
 // Whether the bounds of two sets of points overlap.
@@ -231,7 +235,8 @@ bool parts_cross(const Patch& a, int halvings, const Triangle& b, Inside inside_
         return true;
     }
     const std::array<Patch, 4> parts = quarters(a);
-    return std::any_of(parts.begin(), parts.end(), [&](const Patch& part) { return parts_cross(part, halvings - 1, b, inside_b); });
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](const Patch& part) { return parts_cross(part, halvings - 1, b, inside_b); });
 }
 
 bool parts_cross(const Patch& a, int halvings_a, const Patch& b, int halvings_b)

@@ -76,7 +76,7 @@ Least least_of(const Sides& sides, std::size_t corner)
         if (sign_of(middle) > 0) {
             return Least::positive;
         }
-        constexpr double rounding = 4.0 * 0x1p-53;
+        constexpr double rounding = 16.0 * 0x1p-53;
         const double largest = std::abs(middle.value) + middle.error;
         if (largest * largest < (first.value - first.error) * (last.value - last.error) * (1.0 - rounding)) {
             return Least::positive;
@@ -119,8 +119,8 @@ double sound_share(const PrismCorners& prism, double surface, double least)
         // Q(w) = c + b w + a w^2, with its value at the surface.
         const double first = triple(sides.low_rounded[0], sides.low_rounded[1]);
         const double last = triple(sides.high_rounded[0], sides.high_rounded[1]);
-        const double middle =
-            0.5 * (triple(sides.low_rounded[0], sides.high_rounded[1]) + triple(sides.high_rounded[0], sides.low_rounded[1]));
+        const double middle = 0.5 * (triple(sides.low_rounded[0], sides.high_rounded[1]) +
+                                     triple(sides.high_rounded[0], sides.low_rounded[1]));
         const double a = first - 2.0 * middle + last;
         const double b = 2.0 * (middle - first);
         const double at_surface = first + surface * (b + surface * a);

@@ -17,13 +17,13 @@ namespace mesoshell {
 
 class OverlapFinder {
 public:
-    // `inverted`: one mark a prism, or none at all; must outlive this. Without such prisms the boundary tells whether anything
-    // overlaps; what is left of the shell without them has the fins around them as boundary too. Of two inverted prisms nothing is
-    // asked.
+    // `inverted`: one mark a prism, or none at all; must outlive this. Without such prisms the boundary tells whether
+    // anything overlaps; what is left of the shell without them has the fins around them as boundary too. Of two inverted
+    // prisms nothing is asked.
     OverlapFinder(FoldSearch& search, const std::vector<std::uint8_t>& inverted, Job& job);
 
-    // Finds what overlaps with the shell's thickness as it is: pairs, the smaller first, in ascending order. With `active`, one a
-    // prism, only pairs of at least one such prism and what they spread to.
+    // Finds what overlaps with the shell's thickness as it is: pairs, the smaller first, in ascending order. With `active`,
+    // one a prism, only pairs of at least one such prism and what they spread to.
     void find(const std::vector<std::uint8_t>* active = nullptr);
     const std::vector<glm::uvec2>& pairs() const { return pairs_; }
     // Of prisms that overlap very many others, more may be marked than listed.

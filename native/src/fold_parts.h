@@ -1,4 +1,4 @@
-// Parts of a shell that do not hang together, one of which may lie wholly inside another: their boundaries do not cross then.
+// Parts of a shell that do not hang together: one may lie wholly inside another, and no boundaries cross.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace mesoshell {
 
-// Whether a point lies in a prism, to a 1e-9th of its size: at a height where it is in the plane of the prism's triangle, a root
-// of a cubic. Double precision.
+// Whether a point lies in a prism, to a 1e-9th of its size: at a height where it is in the plane of the prism's triangle, a
+// root of a cubic. Double precision.
 bool holds(const PrismCorners& prism, const glm::dvec3& point);
 
 class FoldParts {

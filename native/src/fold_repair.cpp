@@ -1,7 +1,7 @@
-// Repair of folds. Every vertex has a share of the asked thickness, at most its limit; limits fall where prisms fold, and shares
-// follow them with a bounded slope. A prism whose Jacobian gets too small is cut where it does, which scaling its thickness can
-// tell in closed form; two prisms that overlap are scaled by bisection until they do not. As neighbors are lowered too, but not by
-// as much, that is repeated for what has changed, and ends with an examination of everything.
+// Repair of folds. Every vertex has a share of the asked thickness, at most its limit; limits fall where prisms fold, and
+// shares follow them with a bounded slope. A prism whose Jacobian gets too small is cut where it does, which scaling its
+// thickness can tell in closed form; two prisms that overlap are scaled by bisection until they do not. As neighbors are
+// lowered too, but not by as much, that is repeated for what has changed, and ends with an examination of everything.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -18,24 +18,32 @@ namespace mesoshell {
 namespace {
 
 constexpr std::size_t per_task = 512;
-// A prism keeps at least this much of its Jacobian on the surface: one that all but collapses to a triangle between base and top
-// is sound by the sign of its Jacobian alone, but not by what it does to the pattern.
+// A prism keeps at least this much of its Jacobian on the surface: one that all but collapses to a triangle between base and
+// top is sound by the sign of its Jacobian alone, but not by what it does to the pattern.
 constexpr double least_jacobian = 0.01;
 // Where a closed form or a bisection says by how much to lower, a little more, so that rounding does not bring it back.
 constexpr float margin = 0.98f;
 constexpr int bisections = 7;
-// Less than this of the asked thickness becomes none, and so does what still folds after many rounds: prisms without thickness
-// have no inside, so that the repair ends.
+// Less than this of the asked thickness becomes none, and so does what still folds after many rounds: prisms without
+// thickness have no inside, so that the repair ends.
 constexpr float least_share = 1.0f / 1024.0f;
 constexpr int most_rounds = 40;
 // The least thickness in units of the last place of positions: with less, rounding would turn prisms inside out.
 constexpr float least_units = 64.0f;
+constexpr int growths = 2;
+constexpr float growth = 1.15f;
 
 class Repair {
 public:
     Repair(Shell& shell, Job& job)
-        : shell_(shell), job_(job), asked_(shell.thickness), search_(shell, job),
-          limits_(shell.thickness.size()), shares_(shell.thickness.size(), 1.0f), changed_(search_.prisms(), 1), unmatched_(search_.prisms(), 0)
+        : shell_(shell),
+          job_(job),
+          asked_(shell.thickness),
+          search_(shell, job),
+          limits_(shell.thickness.size()),
+          shares_(shell.thickness.size(), 1.0f),
+          changed_(search_.prisms(), 1),
+          unmatched_(search_.prisms(), 0)
     {
         for (std::atomic<float>& limit : limits_) {
             limit.store(1.0f, std::memory_order_relaxed);
@@ -58,25 +66,38 @@ public:
         std::fill(changed_.begin(), changed_.end(), std::uint8_t(1));
         const std::vector<std::uint8_t> none_inverted;
         OverlapFinder finder(search_, none_inverted, job_);
-        for (bool everything = true;;) {
-            do {
-                lower_inverted();
-            } while (follow_limits());
-            finder.find(everything ? nullptr : &unmatched_);
-            std::fill(unmatched_.begin(), unmatched_.end(), std::uint8_t(0));
-            lower_overlapping(finder.pairs());
-            if (follow_limits()) {
-                everything = false;
-            } else if (everything) {
-                return;
-            } else {
-                everything = true;
-                std::fill(changed_.begin(), changed_.end(), std::uint8_t(1));
-            }
+        if (!settle(finder, true)) {
+            return;
         }
+        for (int i = 0; i < growths; ++i) {
+            grow();
+            settle(finder, false);
+        }
+        sound_.clear();
+        do {
+            round_ = 0;
+            std::fill(changed_.begin(), changed_.end(), std::uint8_t(1));
+        } while (settle(finder, true));
     }
 
 private:
+    // Lowers what folds until nothing does, examining everything or what has changed. Whether there was anything to lower.
+    bool settle(OverlapFinder& finder, bool everything)
+    {
+        for (bool lowered = false;; everything = false) {
+            for (lower_inverted(); follow_limits(); lower_inverted()) {
+                lowered = true;
+            }
+            finder.find(everything ? nullptr : &unmatched_);
+            std::fill(unmatched_.begin(), unmatched_.end(), std::uint8_t(0));
+            lower_overlapping(finder.pairs());
+            if (!follow_limits()) {
+                return lowered;
+            }
+            lowered = true;
+        }
+    }
+
     template <typename Work>
     void for_each(std::size_t count, const Work& work)
     {
@@ -96,11 +117,13 @@ private:
         return *around_;
     }
 
-    // Directors that lie behind a face around their vertex, to where they are in front of all; without thickness where nothing is.
+    // Directors that lie behind a face around their vertex, to where they are in front of all; without thickness where
+    // nothing is.
     void turn_directors()
     {
         std::vector<std::uint8_t> hidden(search_.prisms());
-        for_each(search_.prisms(), [&](std::uint32_t p) { hidden[p] = static_cast<std::uint8_t>(search_.hidden_directors(p)); });
+        for_each(search_.prisms(),
+                 [&](std::uint32_t p) { hidden[p] = static_cast<std::uint8_t>(search_.hidden_directors(p)); });
         for (std::uint32_t p = 0; p < search_.prisms(); ++p) {
             for (std::uint32_t i = 0; i < 3; ++i) {
                 if ((hidden[p] >> i & 1) != 0) {
@@ -116,8 +139,40 @@ private:
         }
     }
 
+    // Neighbors that were lowered as well may have left room. Raises all that is lowered, a little; where that folds,
+    // settling takes it back to what it was.
+    void grow()
+    {
+        sound_ = shares_;
+        round_ = 0;
+        std::vector<std::uint32_t> raised;
+        for (std::uint32_t v = 0; v < shares_.size(); ++v) {
+            if (shares_[v] > 0.0f && shares_[v] < 1.0f) {
+                shares_[v] = std::min(1.0f, shares_[v] * growth);
+                limits_[v].store(shares_[v], std::memory_order_relaxed);
+                raised.push_back(v);
+            } else if (shares_[v] == 0.0f) {
+                raised.push_back(v);  // its slope bounds what is around it
+            }
+        }
+        limit_slope(shell_, around(), repair_slope / greatest_, raised, shares_);
+        for (const std::uint32_t v : raised) {
+            shell_.thickness[v] = asked_[v] * shares_[v];
+            for (const std::uint32_t p : around().around(v)) {
+                changed_[p] = unmatched_[p] = 1;
+            }
+        }
+    }
+
     void lower(std::uint32_t prism, float share)
     {
+        if (!sound_.empty()) {
+            for (int i = 0; i < 3; ++i) {
+                const std::uint32_t vertex = search_.vertices(prism)[i];
+                limits_[vertex].store(sound_[vertex], std::memory_order_relaxed);
+            }
+            return;
+        }
         if (round_ >= most_rounds) {
             share = 0.0f;
         }
@@ -202,6 +257,7 @@ private:
     FoldSearch search_;
     std::vector<std::atomic<float>> limits_;
     std::vector<float> shares_;
+    std::vector<float> sound_;  // shares with which nothing folds; none yet while it is empty
     // One a prism: its thickness has changed since its Jacobian, or its overlaps, were examined.
     std::vector<std::uint8_t> changed_;
     std::vector<std::uint8_t> unmatched_;

@@ -41,10 +41,16 @@ glm::dvec3 middle_of(const PrismCorners& prism)
     return (glm::dvec3(prism.base[0]) + glm::dvec3(prism.base[1]) + glm::dvec3(prism.base[2])) / 3.0;
 }
 
-// Whether a plane along a face of one keeps the corners, and so all, of two prisms apart by more than rounding can hide. Spares
-// most pairs the dozens of exact tests.
+// Whether a plane along a face of one keeps the corners, and so all, of two prisms apart by more than rounding can hide.
+// Spares most pairs the dozens of exact tests.
 bool separated(const PrismCorners& a, const PrismCorners& b)
 {
+    double farthest = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (const glm::vec3& corner : {a.base[i], a.top[i], b.base[i], b.top[i]}) {
+            farthest = std::max(farthest, glm::length(glm::dvec3(corner)));
+        }
+    }
     const auto apart_along = [&](const glm::dvec3& axis) {
         double least_a = std::numeric_limits<double>::max(), most_a = -least_a, least_b = least_a, most_b = -least_a;
         const auto reach = [&](const PrismCorners& prism, double& least, double& most) {
@@ -56,9 +62,8 @@ bool separated(const PrismCorners& a, const PrismCorners& b)
         };
         reach(a, least_a, most_a);
         reach(b, least_b, most_b);
-        const double largest = std::max(std::max(std::abs(least_a), std::abs(most_a)), std::max(std::abs(least_b), std::abs(most_b)));
-        // Of three products: 3 2^-53 times their sizes, which may cancel; with room to spare.
-        const double size = std::max(largest, glm::length(axis) * glm::length(glm::dvec3(a.base[0])));
+        // Sums of three products are off by less than 4 2^-53 times the lengths of what is multiplied.
+        const double size = glm::length(axis) * farthest;
         return std::max(least_a - most_b, least_b - most_a) > 1e-14 * size;
     };
     for (const PrismCorners* prism : {&a, &b}) {
@@ -264,7 +269,8 @@ bool FoldSearch::prisms_overlap(std::uint32_t a, std::uint32_t b, float scale) c
 {
     const PrismCorners prism_a = corners(a, scale);
     const PrismCorners prism_b = corners(b, scale);
-    if (prism_a.empty() || prism_b.empty() || !whole_box(prism_a).overlaps(whole_box(prism_b)) || separated(prism_a, prism_b)) {
+    if (prism_a.empty() || prism_b.empty() || !whole_box(prism_a).overlaps(whole_box(prism_b)) ||
+        separated(prism_a, prism_b)) {
         return false;
     }
     const bool base_is_surface = shell_.shift == 0.0f;

@@ -36,7 +36,8 @@ public:
     // Bit i: the corner i has a thickness, and its director does not lie in front of the prism's triangle. Exact.
     std::uint32_t hidden_directors(std::uint32_t prism) const;
 
-    // Prisms whose surface triangles cross, and those on the same side of an edge: overlaps that no thickness mends. Ascending.
+    // Prisms whose surface triangles cross, and those on the same side of an edge: overlaps that no thickness
+    // mends. Ascending.
     const std::vector<glm::uvec2>& crossing_surfaces() const { return crossing_surfaces_; }
     const std::vector<glm::uvec2>& same_side() const { return borders_.same_side; }
 

@@ -24,7 +24,8 @@ void for_each(Job& job, std::size_t count, const Work& work)
 }
 
 // Those that are inverted because of a director that lies behind them, at a vertex where none can lie in front of all faces.
-std::vector<std::uint8_t> hopeless_of(const Shell& shell, const FoldSearch& search, const std::vector<std::uint8_t>& inverted)
+std::vector<std::uint8_t> hopeless_of(const Shell& shell, const FoldSearch& search,
+                                      const std::vector<std::uint8_t>& inverted)
 {
     const VertexPrisms around(shell.positions.size(), shell.topology->triangles);
     std::vector<std::uint8_t> hopeless(inverted.size(), 0);

@@ -6,14 +6,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <shared_mutex>
 #include <string>
 
-#include <opensubdiv/bfr/refinerSurfaceFactory.h>
-#include <opensubdiv/bfr/surface.h>
 #include <opensubdiv/bfr/tessellation.h>
 
 #include "edge_measure.h"
+#include "limit_patches.h"
 #include "mesoshell/shell.h"
 #include "parallel.h"
 
@@ -23,11 +21,6 @@ namespace {
 namespace Bfr = OpenSubdiv::Bfr;
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
-
-using Patch = Bfr::Surface<float>;
-using Cache = Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
-                                               std::unique_lock<std::shared_mutex>>;
-using Factory = Bfr::RefinerSurfaceFactory<Cache>;
 
 constexpr int faces_per_task = 64;
 constexpr int default_levels = 6;
@@ -142,7 +135,7 @@ public:
     AdaptiveRefinement(const Surface& surface, const Refinement& refinement)
         : surface_(surface), measure_(refinement), most_parts_(1 << (refinement.levels > 0 ? refinement.levels : default_levels)),
           uvs_(share_uvs(surface)), refiner_(make_refiner(surface, uvs_, refinement)), mesh_(refiner_->GetLevel(0)),
-          factory_(*refiner_, Factory::Options().SetDefaultFVarID(0))
+          factory_(*refiner_, patch_options())
     {
     }
 
@@ -164,6 +157,10 @@ private:
     {
         patches_.resize(static_cast<std::size_t>(mesh_.GetNumFaces()));
         for_faces(job, mesh_.GetNumFaces(), [&](int face) {
+            if (!patches_take(mesh_, face)) {
+                throw Error("face " + std::to_string(face) +
+                            " of the surface has too many creases around for adaptive refinement; refine to a level instead");
+            }
             if (!factory_.InitVertexSurface(face, &patches_[face])) {
                 throw Error("face " + std::to_string(face) +
                             " of the surface has no limit surface; repair the faces around it, or refine to a level instead");
@@ -426,18 +423,22 @@ private:
     {
         std::vector<bool> sharp(points_, false);
         const bool linear = refiner_->GetSchemeType() == Sdc::SCHEME_BILINEAR;
-        for (int vertex = 0; vertex < mesh_.GetNumVertices(); ++vertex) {
-            const bool corner = mesh_.GetVertexSharpness(vertex) >= Sdc::Crease::SHARPNESS_INFINITE && mesh_.GetVertexFaces(vertex).size() > 1;
-            sharp[vertex] = linear || corner || mesh_.IsVertexNonManifold(vertex) || mesh_.GetVertexFaces(vertex).size() == 0;
-        }
+        std::vector<int> creases(static_cast<std::size_t>(mesh_.GetNumVertices()), 0);
         for (int edge = 0; edge < mesh_.GetNumEdges(); ++edge) {
             const bool inside = mesh_.GetEdgeFaces(edge).size() > 1;
-            if (inside && (linear || mesh_.GetEdgeSharpness(edge) >= Sdc::Crease::SHARPNESS_INFINITE)) {
+            if (inside && (linear || mesh_.GetEdgeSharpness(edge) > sharp_levels)) {
                 std::fill_n(sharp.begin() + static_cast<std::ptrdiff_t>(edge_points_[edge]), edge_rates_[edge] - 1, true);
                 for (const int vertex : mesh_.GetEdgeVertices(edge)) {
-                    sharp[vertex] = true;
+                    ++creases[vertex];
                 }
             }
+        }
+        for (int vertex = 0; vertex < mesh_.GetNumVertices(); ++vertex) {
+            const int faces = mesh_.GetVertexFaces(vertex).size();
+            const int ends = mesh_.IsVertexBoundary(vertex) ? 0 : 1;  // a crease that ends in the surface is a dart, which is smooth
+            const bool rounded = faces == 1 && mesh_.GetVertexRule(vertex) == Sdc::Crease::RULE_CREASE;  // its tangents are parallel
+            sharp[vertex] = linear || faces == 0 || rounded || mesh_.IsVertexNonManifold(vertex) || creases[vertex] > ends ||
+                            (mesh_.GetVertexSharpness(vertex) > sharp_levels && faces > 1);
         }
         return sharp;
     }
@@ -448,7 +449,7 @@ private:
     UvTopology uvs_;
     std::unique_ptr<Far::TopologyRefiner> refiner_;
     const Far::TopologyLevel& mesh_;
-    Factory factory_;
+    PatchFactory factory_;
     std::vector<Patch> patches_;
     std::vector<int> edge_rates_;
     std::vector<Rates> rates_;
@@ -465,8 +466,8 @@ private:
 
 Refined refine_adaptively(const Surface& surface, const Refinement& refinement, Job& job)
 {
-    // A patch beside n faces is fitted to all points around them: n patches cost the cube of n, a second at 300.
-    check_valences(surface, 256, "adaptive refinement takes up to 256; split it or refine to a level instead");
+    check_valences(surface, most_patch_faces,
+                   "adaptive refinement takes up to " + std::to_string(most_patch_faces) + "; split it or refine to a level instead");
     return AdaptiveRefinement(surface, refinement).run(job);
 }
 

@@ -65,23 +65,25 @@ glm::vec3 vector_of(const Lanes& lanes)
 template <typename Weights>
 void MaskRows<Weights>::end_row()
 {
-    const std::uint64_t hash = hash_of(row_);
-    const auto [begin, end] = known_.equal_range(hash);
-    const auto same = std::find_if(begin, end, [&](const auto& entry) {
-        const auto [first, count] = entry.second;
-        return count == row_.size() && std::equal(row_.begin(), row_.end(), weights_.begin() + first);
-    });
-    if (same != end) {
-        rows_.back().first_weight = same->second.first;
-    } else {
-        if (weights_.size() + row_.size() > std::numeric_limits<std::uint32_t>::max()) {
-            throw Error("the surface has too many faces around some vertices to be subdivided; use levels = 0 or fewer faces a vertex");
+    const auto is_row = [&](const std::pair<std::uint32_t, std::uint32_t>& stored) {
+        return stored.second == row_.size() && std::equal(row_.begin(), row_.end(), weights_.begin() + stored.first);
+    };
+    if (!is_row(last_)) {  // neighbors are mostly alike
+        const std::uint64_t hash = hash_of(row_);
+        const auto [begin, end] = known_.equal_range(hash);
+        const auto same = std::find_if(begin, end, [&](const auto& entry) { return is_row(entry.second); });
+        if (same != end) {
+            last_ = same->second;
+        } else {
+            if (weights_.size() + row_.size() > std::numeric_limits<std::uint32_t>::max()) {
+                throw Error("the surface has too many faces around some vertices to be subdivided; use levels = 0 or fewer faces a vertex");
+            }
+            last_ = {static_cast<std::uint32_t>(weights_.size()), static_cast<std::uint32_t>(row_.size())};
+            known_.emplace(hash, last_);
+            weights_.insert(weights_.end(), row_.begin(), row_.end());
         }
-        const auto first = static_cast<std::uint32_t>(weights_.size());
-        rows_.back().first_weight = first;
-        known_.emplace(hash, std::pair(first, static_cast<std::uint32_t>(row_.size())));
-        weights_.insert(weights_.end(), row_.begin(), row_.end());
     }
+    rows_.back().first_weight = last_.first;
     row_.clear();
     if (indices_.size() > std::numeric_limits<std::uint32_t>::max()) {
         throw Error("the surface is too large to be subdivided; use fewer levels or a coarser mesh");
@@ -90,13 +92,21 @@ void MaskRows<Weights>::end_row()
 }
 
 template <typename Weights>
+void MaskRows<Weights>::reserve(std::size_t rows, std::size_t entries)
+{
+    rows_.reserve(rows + 1);
+    indices_.reserve(entries);
+}
+
+template <typename Weights>
 void MaskRows<Weights>::finish()
 {
     known_ = {};
     row_ = {};
-    rows_.shrink_to_fit();
-    indices_.shrink_to_fit();
     weights_.shrink_to_fit();
+    if (indices_.capacity() > indices_.size() + indices_.size() / 4) {
+        indices_.shrink_to_fit();
+    }
 }
 
 template class MaskRows<float>;
@@ -104,7 +114,7 @@ template class MaskRows<LimitWeights>;
 
 LimitFrames apply_masks(const LimitMasks& masks, std::span<const glm::vec3> positions, Job& job)
 {
-    UninitializedVector<Lanes> points(masks.vertices + masks.refinement.size());
+    RecycledVector<Lanes> points(masks.vertices + masks.refinement.size(), RecycledAllocator<Lanes>(masks.pool));
     for (std::size_t i = 0; i < masks.vertices; ++i) {
         points[i] = Lanes{positions[i].x, positions[i].y, positions[i].z, 0.0f};
     }

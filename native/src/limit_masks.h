@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -11,7 +12,7 @@
 #include <glm/glm.hpp>
 
 #include "mesoshell/job.h"
-#include "mesoshell/uninitialized.h"
+#include "mesoshell/recycled.h"
 
 namespace mesoshell {
 
@@ -23,6 +24,8 @@ using Lanes __attribute__((vector_size(16))) = float;
 template <typename Weights>
 class MaskRows {
 public:
+    // Room for so many rows and entries, so that what is about right is never moved.
+    void reserve(std::size_t rows, std::size_t entries);
     // Rows are made in turn: entries, then the end of the row.
     void add(std::uint32_t index, const Weights& weights)
     {
@@ -54,6 +57,7 @@ private:
     std::vector<Weights> weights_;
 
     std::vector<Weights> row_;
+    std::pair<std::uint32_t, std::uint32_t> last_{0, 0};  // what the row before has: first weight, count
     std::unordered_multimap<std::uint64_t, std::pair<std::uint32_t, std::uint32_t>> known_;  // by hash: first weight, count
 };
 
@@ -74,6 +78,7 @@ struct LimitMasks {
     std::vector<std::size_t> stretches{0};     // ends of stretches of rows, ascending from 0
     std::size_t last_level = 0;                // the first point of the last level
     MaskRows<LimitWeights> limit;              // one a point of the last level
+    std::shared_ptr<BlockPool> pool = std::make_shared<BlockPool>();  // of the points while they are summed
 
     std::size_t bytes() const { return refinement.bytes() + limit.bytes(); }
 };

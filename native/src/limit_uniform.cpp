@@ -1,7 +1,11 @@
 // Uniform refinement: every face split alike, level by level, and what OpenSubdiv's limit masks say of the last level.
+#include "limit_exact.h"
 #include "limit_masks.h"
+#include "limit_patches.h"
 #include "limit_refiner.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include <opensubdiv/far/primvarRefiner.h>
@@ -60,19 +64,24 @@ public:
     struct Writer {
         LimitRecord* owner;
         void Clear();
-        void AddWithWeight(const Point& source, float weight) { owner->entries.push_back({source.index, weight}); }
+        void AddWithWeight(const Point& source, float weight) { owner->entries[owner->count++] = {source.index, weight}; }
     };
     Writer operator[](int) { return {this}; }
+    std::span<const Entry> row() const { return {entries.data(), count}; }
 
-    std::vector<Entry> entries;
+    std::vector<Entry> entries;  // as many as a mask may have, of which a point uses `count`
+    std::size_t count = 0;
     class LimitRows* rows = nullptr;
     bool begins = false;  // its Clear is the first of a point's
 };
 
 class LimitRows {
 public:
-    explicit LimitRows(MaskRows<LimitWeights>& rows) : rows_(rows)
+    LimitRows(MaskRows<LimitWeights>& rows, const ExactRows& exact, std::size_t most_entries) : rows_(rows), exact_(exact)
     {
+        for (LimitRecord* record : {&position, &tangent_1, &tangent_2}) {
+            record->entries.resize(most_entries);
+        }
         position.rows = tangent_1.rows = tangent_2.rows = this;
         position.begins = true;
     }
@@ -83,17 +92,25 @@ public:
         if (!begun_) {
             return;
         }
-        const bool together = position.entries.size() == tangent_1.entries.size() &&
-                              std::equal(position.entries.begin(), position.entries.end(), tangent_1.entries.begin(),
-                                         [](const auto& a, const auto& b) { return a.index == b.index; });
-        for (std::size_t i = 0; i < position.entries.size(); ++i) {
-            const auto [index, weight] = position.entries[i];
-            rows_.add(index, {weight, together ? tangent_1.entries[i].weight : 0.0f, together ? tangent_2.entries[i].weight : 0.0f});
+        const auto exact = exact_.find(static_cast<std::uint32_t>(rows_.size()));
+        if (exact != exact_.end()) {
+            for (std::size_t i = 0; i < exact->second.vertices.size(); ++i) {
+                rows_.add(exact->second.vertices[i], exact->second.weights[i]);
+            }
+            rows_.end_row();
+            return;
         }
-        for (std::size_t i = 0; !together && i < tangent_1.entries.size(); ++i) {
-            const auto [index, weight] = tangent_1.entries[i];
-            if (weight != 0.0f || tangent_2.entries[i].weight != 0.0f) {
-                rows_.add(index, {0.0f, weight, tangent_2.entries[i].weight});
+        const std::span<const LimitRecord::Entry> points = position.row();
+        const std::span<const LimitRecord::Entry> first = tangent_1.row();
+        const std::span<const LimitRecord::Entry> second = tangent_2.row();
+        const bool together = std::equal(points.begin(), points.end(), first.begin(), first.end(),
+                                         [](const auto& a, const auto& b) { return a.index == b.index; });
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            rows_.add(points[i].index, {points[i].weight, together ? first[i].weight : 0.0f, together ? second[i].weight : 0.0f});
+        }
+        for (std::size_t i = 0; !together && i < first.size(); ++i) {
+            if (first[i].weight != 0.0f || second[i].weight != 0.0f) {
+                rows_.add(first[i].index, {0.0f, first[i].weight, second[i].weight});
             }
         }
         rows_.end_row();
@@ -102,13 +119,12 @@ public:
     {
         finish();
         begun_ = true;
-        position.entries.clear();
-        tangent_1.entries.clear();
-        tangent_2.entries.clear();
+        position.count = tangent_1.count = tangent_2.count = 0;
     }
 
 private:
     MaskRows<LimitWeights>& rows_;
+    const ExactRows& exact_;
     bool begun_ = false;
 };
 
@@ -119,11 +135,26 @@ void LimitRecord::Writer::Clear()
     }
 }
 
+// Entries of a limit mask, at most: a vertex, and what its edges and faces lead to.
+std::size_t most_around(const Far::TopologyLevel& level)
+{
+    int most = 0;
+    for (int vertex = 0; vertex < level.GetNumVertices(); ++vertex) {
+        most = std::max(most, level.GetVertexEdges(vertex).size() + level.GetVertexFaces(vertex).size());
+    }
+    return static_cast<std::size_t>(most) + 1;
+}
+
 LimitMasks masks_of(const Far::TopologyRefiner& refiner, Job& job)
 {
     const Far::PrimvarRefiner primvars(refiner);
     LimitMasks masks;
     masks.vertices = static_cast<std::size_t>(refiner.GetLevel(0).GetNumVertices());
+    // Quads inside a mesh have masks of 4, 4 and 9 points for every face, two edges and vertex, and limit masks of 9.
+    const auto refined = static_cast<std::size_t>(refiner.GetNumVerticesTotal()) - masks.vertices;
+    const auto last = static_cast<std::size_t>(refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices());
+    masks.refinement.reserve(refined, refined * 11 / 2);
+    masks.limit.reserve(last, last * 9 + last / 8);
     std::uint32_t before = 0;
     std::uint32_t first = static_cast<std::uint32_t>(masks.vertices);
     for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
@@ -144,7 +175,8 @@ LimitMasks masks_of(const Far::TopologyRefiner& refiner, Job& job)
     }
     masks.last_level = before;
     const SourcePoints sources{before};
-    LimitRows rows(masks.limit);
+    const ExactRows exact = exact_limits(refiner);
+    LimitRows rows(masks.limit, exact, most_around(refiner.GetLevel(refiner.GetMaxLevel())));
     primvars.Limit(sources, rows.position, rows.tangent_1, rows.tangent_2);
     rows.finish();
     masks.refinement.finish();
@@ -208,20 +240,28 @@ RefinedTopology last_level(const Far::TopologyRefiner& refiner)
     return topology;
 }
 
-// A boundary without further creases has one tangent plane at a vertex, and so has a corner of a single face.
-bool has_one_plane(const Far::TopologyLevel& level, int vertex, Scheme scheme)
+// Whether all faces at a vertex have one tangent plane in the limit: creases that patches resolve are smooth there.
+bool has_one_plane(const Far::TopologyRefiner& refiner, const Far::TopologyLevel& level, int vertex)
 {
-    if (scheme == Scheme::bilinear || level.IsVertexNonManifold(vertex) || level.GetVertexFaces(vertex).size() == 0) {
+    const int faces = level.GetVertexFaces(vertex).size();
+    if (refiner.GetSchemeType() == Sdc::SCHEME_BILINEAR || level.IsVertexNonManifold(vertex) || faces == 0) {
         return false;
     }
-    switch (level.GetVertexRule(vertex)) {
-    case Sdc::Crease::RULE_CREASE:
-        return level.IsVertexBoundary(vertex);
-    case Sdc::Crease::RULE_CORNER:
-        return false;
-    default:
+    if (faces == 1) {  // at a rounded corner the tangents of the face's two edges are those of the boundary: parallel
+        return level.GetVertexRule(vertex) != Sdc::Crease::RULE_CREASE;
+    }
+    if (level.GetVertexRule(vertex) == Sdc::Crease::RULE_SMOOTH) {
         return true;
     }
+    const auto stays_sharp = [&](float left) { return left > 0.0f && left + static_cast<float>(refiner.GetMaxLevel()) > sharp_levels; };
+    if (stays_sharp(level.GetVertexSharpness(vertex))) {
+        return false;
+    }
+    int creases = 0;  // one alone is a dart
+    for (const int edge : level.GetVertexEdges(vertex)) {
+        creases += level.GetEdgeFaces(edge).size() > 1 && stays_sharp(level.GetEdgeSharpness(edge)) ? 1 : 0;
+    }
+    return creases == 0 || (creases == 1 && !level.IsVertexBoundary(vertex));
 }
 
 class UniformEvaluator : public LimitEvaluator {
@@ -258,7 +298,7 @@ Refined refine_uniformly(const Surface& surface, const Refinement& refinement, J
     const Far::TopologyLevel& last = refiner->GetLevel(refinement.levels);
     refined.sharp.resize(static_cast<std::size_t>(last.GetNumVertices()));
     for (int vertex = 0; vertex < last.GetNumVertices(); ++vertex) {
-        refined.sharp[vertex] = !has_one_plane(last, vertex, refinement.scheme);
+        refined.sharp[vertex] = !has_one_plane(*refiner, last, vertex);
     }
     refined.evaluator = std::make_unique<const UniformEvaluator>(masks_of(*refiner, job));
     return refined;

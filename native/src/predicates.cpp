@@ -50,7 +50,8 @@ void ExactSum::add_product(const ExactSum& a, const ExactSum& b, double factor)
             const double y_upper = upper_part<27>(y);
             const double y_lower = y - y_upper;
             const double product = x * y;
-            const double rest = x_lower * y_lower - (((product - x_upper * y_upper) - x_lower * y_upper) - x_upper * y_lower);
+            const double rest =
+                x_lower * y_lower - (((product - x_upper * y_upper) - x_lower * y_upper) - x_upper * y_lower);
             add(rest * factor);
             add(product * factor);
         }

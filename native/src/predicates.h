@@ -1,7 +1,7 @@
 // Signs of determinants of points given in single precision, exact for all finite values: double precision with a proven
-// bound of its error first, then sums of products without error (Shewchuk 1997, "Adaptive precision floating-point arithmetic
-// and fast robust geometric predicates"). A product of two floats is exact in double precision, and one of six neither
-// overflows nor underflows there, so that no range is left out.
+// bound of its error first, then sums of products without error (Shewchuk 1997, "Adaptive precision floating-point
+// arithmetic and fast robust geometric predicates"). A product of two floats is exact in double precision, and one of six
+// neither overflows nor underflows there, so that no range is left out.
 #pragma once
 
 #include <array>
@@ -60,7 +60,8 @@ int determinant_sign(const Difference& a, const Difference& b, const Difference&
 // On which side of the plane through a, b, c the point d lies: 1 where a, b, c wind counterclockwise seen from d.
 inline int orientation(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d)
 {
-    const Bounded bounded = determinant(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a), glm::dvec3(d) - glm::dvec3(a));
+    const Bounded bounded =
+        determinant(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a), glm::dvec3(d) - glm::dvec3(a));
     if (std::abs(bounded.value) > bounded.error) {
         return bounded.value > 0.0 ? 1 : -1;
     }

@@ -13,12 +13,14 @@ double cross(const glm::dvec2& a, const glm::dvec2& b)
 
 // Gauss-Legendre on [0, 1], exact to the fifth degree.
 const double far_node = 0.5 * std::sqrt(0.6);
-const std::array<std::array<double, 2>, 3> nodes{{{0.5 - far_node, 5.0 / 18.0}, {0.5, 8.0 / 18.0}, {0.5 + far_node, 5.0 / 18.0}}};
+const std::array<std::array<double, 2>, 3> nodes{
+    {{0.5 - far_node, 5.0 / 18.0}, {0.5, 8.0 / 18.0}, {0.5 + far_node, 5.0 / 18.0}}};
 
 }  // namespace
 
-// All that a prism has at one height. dP/du and dP/dv are the same all over it; dP/dw is linear in the barycentric weights, and so
-// is the volume that a step in them spans: integrals of weights over a triangle, products of three of them at most, are known.
+// All that a prism has at one height. dP/du and dP/dv are the same all over it; dP/dw is linear in the barycentric weights,
+// and so is the volume that a step in them spans: integrals of weights over a triangle, products of three of them at most,
+// are known.
 struct PrismStretch::Level {
     double w;
     glm::dmat2x3 axes;                      // dP/du, dP/dv
@@ -153,8 +155,8 @@ StretchSlope PrismStretch::slope(double inverse_aspect_2, double inverse_height_
         const glm::dmat2 gram = glm::transpose(here.axes) * here.axes;
         const glm::dmat2 metric(1.0, 0.0, 0.0, inverse_aspect_2);
         const std::array<glm::dvec3, 3> by_up = here.squared_up_slope();
-        // A rise r_i turns the axes U by -w (U r_i) g_i^T, g_i the gradient of weight i, and dP/dw at corner j by minus that times
-        // r_j, less U r_i at j = i.
+        // A rise r_i turns the axes U by -w (U r_i) g_i^T, g_i the gradient of weight i, and dP/dw at corner j by minus that
+        // times r_j, less U r_i at j = i.
         glm::dmat2x3 all_up(0.0);  // the sum over j of the slope by dP/dw at corner j, times r_j^T
         for (int j = 0; j < 3; ++j) {
             all_up += glm::outerProduct(by_up[j], uv_rise_[j]);
@@ -166,11 +168,13 @@ StretchSlope PrismStretch::slope(double inverse_aspect_2, double inverse_height_
             const glm::dvec2 tall = glm::transpose(here.axes) * along;
             slope.sum[i] += weight * (flat + tall * inverse_height_2);
             slope.tiles[i] += weight * 0.5 * std::abs(here.area) * w * here.gradients[i];
-            // Gauss and Newton: what the changes of axes and of dP/dw, squared, add. The axes also bend themselves, twice as much.
+            // Gauss and Newton: what the changes of axes and of dP/dw, squared, add. The axes also bend themselves, twice as
+            // much.
             const int next = (i + 1) % 3;
             const auto bend = [&](int j) {
                 const double steep = 4.0 * w * w * volume * glm::dot(here.gradients[i], metric * here.gradients[j]);
-                const double upright = here.span() + here.spans[i] + here.spans[j] + (i == j ? here.span() + 2.0 * here.spans[i] : 0.0);
+                const double alike = i == j ? here.span() + 2.0 * here.spans[i] : 0.0;
+                const double upright = here.span() + here.spans[i] + here.spans[j] + alike;
                 return glm::mat2(gram * (weight * (steep + upright * inverse_height_2 / 60.0)));
             };
             slope.bend[i] += bend(i);

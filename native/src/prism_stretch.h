@@ -9,8 +9,8 @@
 
 namespace mesoshell {
 
-// Over the prism's volume in object space. With U = (dP/du, dP/dv) and N = dP/dw the columns of the map's derivative from texture
-// to object space: the squares of the stretch are |U_u|^2, |U_v|^2 / aspect^2 and |N|^2 / height^2.
+// Over the prism's volume in object space. With U = (dP/du, dP/dv) and N = dP/dw the columns of the map's derivative from
+// texture to object space: the squares of the stretch are |U_u|^2, |U_v|^2 / aspect^2 and |N|^2 / height^2.
 struct StretchIntegrals {
     double u = 0.0;       // of |dP/du|^2
     double v = 0.0;       // of |dP/dv|^2
@@ -45,8 +45,8 @@ public:
     // The UVs of the top, one a corner, instead of the shell's own.
     void set_top(const std::array<glm::vec2, 3>& top);
 
-    // Whether the UVs have an area at every height: their signed area is quadratic in the height, and has its sign at both ends and
-    // where it is extreme between them.
+    // Whether the UVs have an area at every height: their signed area is quadratic in the height, and has its sign at both
+    // ends and where it is extreme between them.
     bool keeps_winding() const;
 
     // Twice the signed area of the UVs at a height.

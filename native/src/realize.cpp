@@ -18,8 +18,8 @@ namespace {
 // map bends it by a quarter of that share of the prism's change of width.
 constexpr double most_bend = 0.01;
 
-// Where the top has other UVs than the base, a straight edge in texture space is bent in the prism's weights: it is split until
-// its middle is off by no more than this.
+// Where the top has other UVs than the base, a straight edge in texture space is bent in the prism's weights: it is split
+// until its middle is off by no more than this.
 constexpr double most_off = 1e-3;
 
 // Copies of the tile in one prism; more would take memory without end.

@@ -166,8 +166,8 @@ private:
         return top;
     }
 
-    // The logarithm of the total squared, but for a constant; nothing where UVs turn over. Leaves the prisms with this top. The
-    // total's proportions are its best ones, so that to first order the total changes as if they stayed.
+    // The logarithm of the total squared, but for a constant; nothing where UVs turn over. Leaves the prisms with this top.
+    // The total's proportions are its best ones, so that to first order the total changes as if they stayed.
     std::optional<double> evaluate(const std::vector<glm::vec2>& top)
     {
         const std::size_t tasks = (prisms_.size() + items_per_task - 1) / items_per_task;
@@ -196,7 +196,8 @@ private:
         }
         inverse_aspect_2_ = sums_.u / sums_.v;
         inverse_height_2_ = sums_.u / sums_.w;
-        const double value = std::log(sum()) + (2.0 * std::log(sums_.tiles) - std::log(inverse_aspect_2_ * inverse_height_2_)) / 3.0;
+        const double volume_2 = 2.0 * std::log(sums_.tiles) - std::log(inverse_aspect_2_ * inverse_height_2_);
+        const double value = std::log(sum()) + volume_2 / 3.0;
         return std::isfinite(value) ? std::optional(value) : std::nullopt;
     }
 
@@ -253,10 +254,13 @@ private:
             for_all(prisms_.size(), [&](std::size_t, std::size_t first, std::size_t last) {
                 for (std::size_t p = first; p < last; ++p) {
                     const StretchSlope& prism = by_prism[p];
-                    const glm::dvec2 x[3] = {way[corner_groups_[3 * p]], way[corner_groups_[3 * p + 1]], way[corner_groups_[3 * p + 2]]};
+                    const std::uint32_t* groups = &corner_groups_[3 * p];
                     for (int k = 0; k < 3; ++k) {
-                        by_corner[p][k] = glm::dmat2(prism.bend[k]) * x[k] + glm::dmat2(prism.bend_next[k]) * x[(k + 1) % 3] +
-                                          glm::dmat2(prism.bend_next[(k + 2) % 3]) * x[(k + 2) % 3];
+                        const int next = (k + 1) % 3;
+                        const int before = (k + 2) % 3;
+                        by_corner[p][k] = glm::dmat2(prism.bend[k]) * way[groups[k]] +
+                                          glm::dmat2(prism.bend_next[k]) * way[groups[next]] +
+                                          glm::dmat2(prism.bend_next[before]) * way[groups[before]];
                     }
                 }
             });

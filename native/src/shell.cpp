@@ -1,12 +1,13 @@
 #include "mesoshell/shell.h"
 
 #include <algorithm>
-#include <functional>
+#include <atomic>
 #include <string>
 
 #include "director_smoothing.h"
 #include "extrusion.h"
 #include "mesoshell/folds.h"
+#include "parallel.h"
 #include "placement.h"
 #include "relax.h"
 #include "shell_rig.h"
@@ -18,15 +19,29 @@
 namespace mesoshell {
 namespace {
 
-void check_normals(const ShellTopology& topology, const std::vector<glm::vec3>& normals)
+void check_normals(const ShellTopology& topology, const std::vector<glm::vec3>& normals, Job& job)
 {
-    for (const glm::uvec3& triangle : topology.triangles) {
-        for (int i = 0; i < 3; ++i) {
-            if (normals[triangle[i]] == glm::vec3(0.0f)) {
-                throw Error("vertex " + std::to_string(triangle[i]) +
-                            " of the surface has no normal; remove zero-area faces, or faces folded onto each other");
+    constexpr std::size_t prisms_per_task = 16384;
+    const std::size_t count = topology.triangles.size();
+    std::atomic<std::size_t> first_without{count};
+    parallel_for(job, static_cast<int>((count + prisms_per_task - 1) / prisms_per_task), [&](int task) {
+        const std::size_t first = static_cast<std::size_t>(task) * prisms_per_task;
+        for (std::size_t p = first; p < std::min(count, first + prisms_per_task); ++p) {
+            for (int i = 0; i < 3; ++i) {
+                if (normals[topology.triangles[p][i]] == glm::vec3(0.0f)) {
+                    std::size_t seen = first_without.load();
+                    while (p < seen && !first_without.compare_exchange_weak(seen, p)) {
+                    }
+                    return;
+                }
             }
         }
+    }, 0.0f);
+    if (first_without < count) {
+        const glm::uvec3& triangle = topology.triangles[first_without];
+        const int i = normals[triangle[0]] == glm::vec3(0.0f) ? 0 : normals[triangle[1]] == glm::vec3(0.0f) ? 1 : 2;
+        throw Error("vertex " + std::to_string(triangle[i]) +
+                    " of the surface has no normal; remove zero-area faces, or faces folded onto each other");
     }
 }
 
@@ -34,7 +49,7 @@ void check_normals(const ShellTopology& topology, const std::vector<glm::vec3>& 
 void take_pose(Shell& shell, LimitPoints points, Job& job)
 {
     const ShellRig& rig = *shell.rig;
-    check_normals(*shell.topology, points.normals);
+    check_normals(*shell.topology, points.normals, job);
     shell.positions = std::move(points.positions);
     shell.directors = std::move(points.normals);
     shell.tangents = std::move(points.tangents);

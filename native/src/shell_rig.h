@@ -1,6 +1,7 @@
 // What a shell keeps of the surface and the options it was built from, so that it can be updated.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "director_smoothing.h"
@@ -16,6 +17,7 @@ struct ShellRig {
     }
 
     LimitSurface limit;
+    std::shared_ptr<BlockPool> pool = std::make_shared<BlockPool>();  // of the tables of all shells that have this rig
     // Asked, one a vertex of the shell, object units: as the shell was built, and where all thickness factors are 1.
     std::vector<float> thickness;
     std::vector<float> full_thickness;

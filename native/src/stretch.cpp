@@ -57,12 +57,13 @@ Stretch stretch(const Shell& shell, const Proportions& proportions, Job& job)
         all += parts[task];
         result.infinite += infinite[task];
     }
-    // Scales u : v / aspect^2 : w / height^2 of a given product have the least sum where they are equal, and with a given aspect
-    // where w / height^2 is the mean of the other two.
+    // Scales u : v / aspect^2 : w / height^2 of a given product have the least sum where they are equal, and with a given
+    // aspect where w / height^2 is the mean of the other two.
     const auto ratio = [](double a, double b) { return a > 0.0 && b > 0.0 ? std::sqrt(a / b) : 1.0; };
     const double aspect = given_or(proportions.aspect, "aspect", ratio(all.v, all.u));
-    result.proportions = {aspect, given_or(proportions.height, "height", ratio(all.w, 0.5 * (all.u + all.v / (aspect * aspect))))};
-    const double height = result.proportions.height;
+    const double flat = 0.5 * (all.u + all.v / (aspect * aspect));
+    const double height = given_or(proportions.height, "height", ratio(all.w, flat));
+    result.proportions = {aspect, height};
     const double scale_2 = std::pow(all.volume / (all.tiles * aspect * height), 2.0 / 3.0);
     const auto rms = [&](const StretchIntegrals& part) {
         const double sum = part.u + part.v / (aspect * aspect) + part.w / (height * height);

@@ -11,10 +11,10 @@
 
 namespace mesoshell {
 
-// Object units, one of `vertices`: `thickness` times the image at the vertex's UVs, the image repeating over [0, 1]^2 with pixel
-// (i, j) centered at ((i + 1/2) / width, (j + 1/2) / height). A vertex on a seam has several UVs and one column: it takes the mean
-// of the image there. `corners` and `uv_corners` are those of the refined surface, `uvs` not placed yet. Throws Error where a
-// thickness is not finite.
+// Object units, one of `vertices`: `thickness` times the image at the vertex's UVs, the image repeating over [0, 1]^2 with
+// pixel (i, j) centered at ((i + 1/2) / width, (j + 1/2) / height). A vertex on a seam has several UVs and one column: it
+// takes the mean of the image there. `corners` and `uv_corners` are those of the refined surface, `uvs` not placed yet.
+// Throws Error where a thickness is not finite.
 std::vector<float> image_thickness(float thickness, const FactorImage& image, std::size_t vertices,
                                    std::span<const std::int32_t> corners, std::span<const std::int32_t> uv_corners,
                                    std::span<const glm::vec2> uvs);

@@ -12,6 +12,10 @@ public:
     ShellTopology run()
     {
         topology_.uvs = surface_.uvs;
+        const std::size_t most = surface_.corners.size() - 2 * surface_.face_sizes.size();
+        topology_.triangles.reserve(most);
+        topology_.uv_triangles.reserve(most);
+        topology_.faces.reserve(most);
         std::size_t first = 0;
         for (std::size_t face = 0; face < surface_.face_sizes.size(); ++face) {
             const std::int32_t size = surface_.face_sizes[face];

@@ -36,15 +36,16 @@ glm::dvec3 most_visible_direction(const std::vector<glm::dvec3>& normals)
         }
     };
     if (normals.size() > most_tried) {
-        // The center of the smallest enclosing ball, approached by ever smaller steps toward the farthest (Badoiu and Clarkson 2003).
+        // The center of the smallest enclosing ball, approached by ever smaller steps toward the farthest (Badoiu and
+        // Clarkson 2003).
         glm::dvec3 center(0.0);
         for (const glm::dvec3& normal : normals) {
             center += normal / static_cast<double>(normals.size());
         }
         for (int i = 1; i <= steps; ++i) {
-            const auto farthest = std::min_element(normals.begin(), normals.end(), [&](const glm::dvec3& a, const glm::dvec3& b) {
-                return glm::dot(a, center) < glm::dot(b, center);
-            });
+            const auto farthest = std::min_element(
+                normals.begin(), normals.end(),
+                [&](const glm::dvec3& a, const glm::dvec3& b) { return glm::dot(a, center) < glm::dot(b, center); });
             center += (*farthest - center) / static_cast<double>(i + 1);
         }
         offer(center);
@@ -68,7 +69,9 @@ glm::dvec3 most_visible_direction(const std::vector<glm::dvec3>& normals)
 glm::vec3 most_visible_normal(const Shell& shell, const VertexPrisms& prisms, std::uint32_t vertex)
 {
     std::vector<glm::dvec3> normals;
-    const auto point = [&](std::uint32_t prism, int corner) { return shell.positions[shell.topology->triangles[prism][corner]]; };
+    const auto point = [&](std::uint32_t prism, int corner) {
+        return shell.positions[shell.topology->triangles[prism][corner]];
+    };
     for (const std::uint32_t p : prisms.around(vertex)) {
         const glm::dvec3 a(point(p, 0));
         const glm::dvec3 normal = glm::cross(glm::dvec3(point(p, 1)) - a, glm::dvec3(point(p, 2)) - a);

@@ -93,8 +93,8 @@ vec3 deeper_place(Prism prism, vec3 pos_object, vec4 c, float low, float high, v
     return place_depth(q) > place_depth(best) ? q : best;
 }
 
-// Object space to prism coordinates, for prisms that do not fold. A point counts as inside where rounding its coordinates may
-// have taken it out.
+// Object space to prism coordinates, for prisms that do not fold. A point counts as inside where rounding its coordinates
+// may have taken it out.
 PrismPlace place_of_position(Prism prism, vec3 pos_object)
 {
     vec3 offset = prism.base[0] - pos_object;

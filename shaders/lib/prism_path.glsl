@@ -77,8 +77,9 @@ vec2 quadratic_roots(float c0, float c1, float c2)
     return vec2(first, second);
 }
 
-// A ray that lies in the triangle at one height is at all its points there at once: all three numerators vanish. Roots that
-// near one another say nothing about where the ray is.
+// A ray that lies in the triangle at one height is there at all its points: all three numerators vanish at that height, and
+// where between roots so near one another the ray is cannot be told. How near, in height: that is where the error of
+// dividing by a small seen area outgrows that of the derivative in level_span.
 const float LEVEL = 1.0e-3f;
 
 // Whether the seen area comes near zero at any height, as it does where all numerators do.

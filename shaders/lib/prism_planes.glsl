@@ -1,17 +1,17 @@
-// Where a ray runs inside a prism whose fins are two planes each, as in the paper: a faster, coarser stand-in for the fins of
+// Where a ray runs inside a prism whose fins are two planes each, as in the paper: a coarser stand-in for the fins of
 // prism_path.glsl.
 //
-// GDM paper, section 3.2: each fin is two triangles, of which a ray meets the planes. Where they form a convex side the nearer
-// plane ends the ray, where they form a concave side the farther. The paper says nothing of which diagonal divides a fin; here
-// both prisms beside it choose the same one, so that no ray is lost between them: what is convex for one is concave for the
-// other. The paper rasterizes where rays enter; here the same rule, with the signs turned, says that too.
+// GDM paper, section 3.2: each fin is two triangles, of which a ray meets the planes. Where they form a convex side the
+// nearer plane ends the ray, where they form a concave side the farther. The paper does not say which diagonal divides a
+// fin; here both prisms beside it choose the same one, so that no ray is lost between them: what is convex for one is
+// concave for the other. The paper rasterizes where rays enter; here the same rule, with the signs turned, says that too.
 #ifndef MESOSHELL_LIB_PRISM_PLANES
 #define MESOSHELL_LIB_PRISM_PLANES
 
 #include "prism_path.glsl"
 
-// A ray against the two planes of a fin: inside from `low` to `high`, but for a gap where the ray leaves one side of a concave
-// fin and comes back through the other.
+// A ray against the two planes of a fin: inside from `low` to `high`, but for a gap where the ray leaves through one side of
+// a concave fin and comes back through the other.
 struct FinPlanes {
     float low;
     float high;
@@ -187,7 +187,9 @@ PrismSpan plane_span(Prism prism, vec3 origin, vec3 dir, float t_after)
             begin = nearer_of(begin, fin_2.gap_high > least ? fin_2.gap_high : 3.0e38f, 2);
         }
     }
-    if (begin.t <= t_after || begin.t >= end.t || in_gap(fin_0, begin.t) || in_gap(fin_1, begin.t) || in_gap(fin_2, begin.t)) {
+    // Prisms that fold may have no plane that ends them.
+    if (begin.t <= t_after || begin.t >= end.t || end.t >= 3.0e38f || in_gap(fin_0, begin.t) || in_gap(fin_1, begin.t) ||
+        in_gap(fin_2, begin.t)) {
         return span;
     }
     float whole = end.t;

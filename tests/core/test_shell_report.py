@@ -15,7 +15,8 @@ def cylinder(native, tiles, **options):
     corners = up * around + across % around
     uvs = np.stack([across * tiles / around, up / 2], axis=-1)
     return native.build_shell(np.concatenate(rings).astype(np.float32), np.full(2 * around, 4, np.int32),
-                              corners.astype(np.int32).ravel(), uvs.reshape(-1, 2).astype(np.float32), thickness=0.25, **options)
+                              corners.astype(np.int32).ravel(), uvs.reshape(-1, 2).astype(np.float32), thickness=0.25,
+                              **options)
 
 
 def test_seams_lie_on_the_surface_and_their_tops_above(native):
@@ -57,7 +58,8 @@ def test_relaxing_lowers_stretch(native, rng):
 def test_any_number_marks_a_covered_face(native):
     whole = cylinder(native, 6.0).prism_count
     for mark in (1, 256, -1):
-        assert cylinder(native, 6.0, covered=np.where(np.arange(24) < 12, mark, 0).astype(np.int32)).prism_count == whole // 2
+        covered = np.where(np.arange(24) < 12, mark, 0).astype(np.int32)
+        assert cylinder(native, 6.0, covered=covered).prism_count == whole // 2
 
 
 def test_other_things_are_no_shells(native):

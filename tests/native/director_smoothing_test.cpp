@@ -77,7 +77,8 @@ TEST(DirectorSmoothing, RidgeBecomesSmootherStepByStep)
             ASSERT_NEAR(glm::length(director), 1.0f, 4 * 0x1p-23f);
         }
     }
-    // A jump that spreads over sigma edges, sigma^2 growing by 1/12 a step on faces this long, has 0.56 / sigma of its roughness.
+    // A jump that spreads over sigma edges, sigma^2 growing by 1/12 a step on faces this long, has 0.56 / sigma of its
+    // roughness.
     EXPECT_LT(before, 0.5 * roughness(smoothed(ridge(), 0)));
 }
 

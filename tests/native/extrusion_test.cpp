@@ -128,8 +128,8 @@ TEST(Thickness, ConstantImageAndConstantFactorsScaleIt)
 
 TEST(Thickness, ImageIsBilinearBetweenCentersAndRepeats)
 {
-    // 4 pixels along u, 2 along v: at u = 3/8 and 5/8 the centers of pixels 1 and 2, halfway between them u = 1/2; u = 0 lies
-    // between the last pixel and the first. UVs a tile and more away see the same.
+    // 4 pixels along u, 2 along v: at u = 3/8 and 5/8 the centers of pixels 1 and 2, halfway between them u = 1/2; u = 0
+    // lies between the last pixel and the first. UVs a tile and more away see the same.
     const std::vector<float> pixels{1, 2, 3, 4, 10, 20, 30, 40};
     const struct {
         glm::vec2 uv;

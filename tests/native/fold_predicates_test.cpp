@@ -15,7 +15,9 @@ int integer_orientation(const glm::ivec3& a, const glm::ivec3& b, const glm::ive
 {
     __extension__ using Wide = __int128;
     const auto difference = [&](const glm::ivec3& p, int i) { return static_cast<Wide>(p[i]) - a[i]; };
-    const auto minor = [&](int i, int j) { return difference(c, i) * difference(d, j) - difference(c, j) * difference(d, i); };
+    const auto minor = [&](int i, int j) {
+        return difference(c, i) * difference(d, j) - difference(c, j) * difference(d, i);
+    };
     const Wide sum = difference(b, 0) * minor(1, 2) + difference(b, 1) * minor(2, 0) + difference(b, 2) * minor(0, 1);
     return sum > 0 ? 1 : sum < 0 ? -1 : 0;
 }
@@ -50,7 +52,8 @@ TEST(Predicates, OrientationAtTheEndsOfTheRange)
     EXPECT_EQ(orientation(a, b, c, glm::vec3(1, 1, -tiny)), -1);
     EXPECT_EQ(orientation(glm::vec3(tiny, 0, 0), glm::vec3(0, tiny, 0), glm::vec3(0), glm::vec3(huge, huge, tiny)), 1);
     // z = x for all, at very different sizes.
-    EXPECT_EQ(orientation(glm::vec3(huge, 1, huge), glm::vec3(tiny, -huge, tiny), glm::vec3(1, tiny, 1), glm::vec3(3, 7, 3)), 0);
+    EXPECT_EQ(orientation(glm::vec3(huge, 1, huge), glm::vec3(tiny, -huge, tiny), glm::vec3(1, tiny, 1), glm::vec3(3, 7, 3)),
+              0);
 }
 
 // --- Triangles ---
@@ -91,8 +94,9 @@ TEST(Crossing, EqualsSampledIntervals)
                     high = std::max(high, glm::dot(line, t[k]));
                 }
             }
-            const bool both = std::min({glm::dot(normal, t[0] - on), glm::dot(normal, t[1] - on), glm::dot(normal, t[2] - on)}) < 0 &&
-                              std::max({glm::dot(normal, t[0] - on), glm::dot(normal, t[1] - on), glm::dot(normal, t[2] - on)}) > 0;
+            const bool both =
+                std::min({glm::dot(normal, t[0] - on), glm::dot(normal, t[1] - on), glm::dot(normal, t[2] - on)}) < 0 &&
+                std::max({glm::dot(normal, t[0] - on), glm::dot(normal, t[1] - on), glm::dot(normal, t[2] - on)}) > 0;
             return both ? glm::dvec2(low, high) : glm::dvec2(1.0, 0.0);
         };
         const glm::dvec2 in_p = interval(p, normal_q, q[0]);
@@ -122,7 +126,8 @@ TEST(Crossing, CoplanarOnesByTheirSides)
 
 TEST(Crossing, TwistedFinsFillLittleOfTheirHull)
 {
-    // The saddle z = u v over the unit square, whose hull reaches z = 1/2 in its middle (the other diagonal: 0), where it is 1/4.
+    // The saddle z = u v over the unit square, whose hull reaches z = 1/2 in its middle (the other diagonal: 0), where it is
+    // 1/4.
     const Patch saddle{glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(1, 1, 1), glm::vec3(0, 1, 0)};
     const auto plate = [](float z) {
         return Triangle{glm::vec3(0.45f, 0.45f, z), glm::vec3(0.55f, 0.45f, z), glm::vec3(0.5f, 0.55f, z)};
@@ -167,8 +172,8 @@ TEST(Jacobian, ColumnsWithoutThickness)
     }
 }
 
-// The triangle turns about its center by `angle` while it rises: N(w) has the length |1 - w + w e^(i angle)|^2, which is least
-// halfway, cos^2(angle / 2), and zero there for a half turn.
+// The triangle turns about its center by `angle` while it rises: N(w) has the length |1 - w + w e^(i angle)|^2, which is
+// least halfway, cos^2(angle / 2), and zero there for a half turn.
 PrismCorners turning(double angle, double scale)
 {
     PrismCorners prism;
@@ -195,12 +200,11 @@ TEST(Jacobian, InteriorZerosAreDecidedExactly)
 
 TEST(Jacobian, InvertsBetweenPositiveEnds)
 {
-    // E1 x E2 with E1 = (1, 0, 0), then (-1, 0, 0) + little, E2 likewise with another sign of the little: both ends positive,
-    // the middle negative. N_z(w) = (1 - 2 w)^2 - c w (1 - w) up to a factor, negative at 1/2 for c > 0.
+    // E1 goes from (1, 0) to (-1, c) and E2 from (0, 1) to (c, -1): halfway they are (0, c / 2) and (c / 2, 0), whose cross
+    // product is -c^2 / 4, while at the ends it is 1 and 1 - c^2.
     for (const float c : {0.5f, 0x1p-10f, 0x1p-20f}) {
         PrismCorners prism{{glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(0, 1, 0)},
                            {glm::vec3(0, 0, 1), glm::vec3(-1, c, 1), glm::vec3(c, -1, 1)}};
-        // b0 = 1, b2 = 1 - c^2, b1 = -1: b1^2 > b0 b2.
         EXPECT_TRUE(inverted(prism)) << c;
         const PrismCorners ends[2] = {{prism.base, {prism.base[0] + glm::vec3(0, 0, 1), prism.base[1] + glm::vec3(0, 0, 1),
                                                     prism.base[2] + glm::vec3(0, 0, 1)}},
@@ -230,7 +234,9 @@ TEST(Jacobian, EqualsDenseSampling)
             const glm::dvec3 column = glm::dvec3(prism.top[k]) - glm::dvec3(prism.base[k]);
             for (int step = 0; step <= 1000; ++step) {
                 const double w = step / 1000.0;
-                const auto at = [&](std::size_t j) { return glm::mix(glm::dvec3(prism.base[j]), glm::dvec3(prism.top[j]), w); };
+                const auto at = [&](std::size_t j) {
+                    return glm::mix(glm::dvec3(prism.base[j]), glm::dvec3(prism.top[j]), w);
+                };
                 least = std::min(least, glm::dot(glm::cross(at(1) - at(0), at(2) - at(0)), column));
             }
         }
@@ -245,7 +251,8 @@ TEST(Jacobian, EqualsDenseSampling)
 
 TEST(Jacobian, SoundShareReachesTheLeast)
 {
-    // The prism from the surface to the share of its height has a Jacobian of `least` of the surface's somewhere, and no less.
+    // The prism from the surface to the share of its height has a Jacobian of `least` of the surface's somewhere, and no
+    // less.
     std::mt19937 random(4);
     std::normal_distribution<float> normal(0.0f, 1.0f);
     int reduced = 0;
@@ -261,7 +268,9 @@ TEST(Jacobian, SoundShareReachesTheLeast)
             for (std::size_t k = 0; k < 3; ++k) {
                 const glm::dvec3 column = glm::dvec3(prism.top[k]) - glm::dvec3(prism.base[k]);
                 const auto at = [&](double w) {
-                    const auto p = [&](std::size_t j) { return glm::mix(glm::dvec3(prism.base[j]), glm::dvec3(prism.top[j]), w); };
+                    const auto p = [&](std::size_t j) {
+                        return glm::mix(glm::dvec3(prism.base[j]), glm::dvec3(prism.top[j]), w);
+                    };
                     return glm::dot(glm::cross(p(1) - p(0), p(2) - p(0)), column);
                 };
                 positive = positive && at(surface) > 0.0;

@@ -1,4 +1,5 @@
-// Laws of the repair: nothing folds afterwards but what no thickness mends, most of the thickness stays, and it changes gently.
+// Laws of the repair: nothing folds afterwards but what no thickness mends, most of the thickness stays, and it changes
+// gently.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -40,14 +41,13 @@ float median_share(const Shell& before, const Shell& after)
 float repaired(const SurfaceMesh& mesh, float thickness, float shift, bool base, const std::string& name, int levels = 0)
 {
     const Shell before = asked(mesh, thickness, shift, levels);
-    const Folds folds = find_folds(before);
     Shell after = before;
     Job job;
     repair_folds(after, job);
     const Folds left = find_folds(after);
     for (std::size_t p = 0; p < left.inverted.size(); ++p) {
-        EXPECT_TRUE(left.base[p] != 0 || (left.inverted[p] == 0 && left.intersecting[p] == 0))
-            << name << ", shift " << shift << ": prism " << p << (left.inverted[p] != 0 ? " is inverted" : " overlaps");
+        EXPECT_EQ(left.inverted[p], 0) << name << ", shift " << shift << ": prism " << p;
+        EXPECT_LE(left.intersecting[p], left.base[p]) << name << ", shift " << shift << ": prism " << p;
     }
     if (!base) {
         EXPECT_EQ(count(left.base), 0u) << name;
@@ -62,15 +62,13 @@ float repaired(const SurfaceMesh& mesh, float thickness, float shift, bool base,
             const float share_a = before.thickness[a] > 0.0f ? after.thickness[a] / before.thickness[a] : 1.0f;
             const float share_b = before.thickness[b] > 0.0f ? after.thickness[b] / before.thickness[b] : 1.0f;
             if (before.thickness[a] > 0.0f && before.thickness[b] > 0.0f) {
-                EXPECT_LE(std::abs(share_a - share_b), slope * glm::length(after.positions[a] - after.positions[b]) * 1.0001f + 1e-6f)
+                EXPECT_LE(std::abs(share_a - share_b),
+                          slope * glm::length(after.positions[a] - after.positions[b]) * 1.0001f + 1e-6f)
                     << name;
             }
         }
     }
-    const float share = median_share(before, after);
-    std::printf("%-28s shift %4.1f %7zu prisms: %6zu inverted %6zu overlapping before, %4zu of the base left, median %.3f\n",
-                name.c_str(), shift, left.inverted.size(), count(folds.inverted), count(folds.intersecting), count(left.base), share);
-    return share;
+    return median_share(before, after);
 }
 
 // How many of some points drawn from all prisms lie inside another one as well, by more than 1e-3 of prism coordinates.
@@ -79,7 +77,8 @@ std::size_t points_in_two(const Shell& shell, std::uint32_t seed)
     Random random(seed);
     std::vector<PrismTruth> truths;
     for (const glm::uvec3& t : shell.topology->triangles) {
-        truths.emplace_back(prism_of({shell.base(t.x), shell.base(t.y), shell.base(t.z)}, {shell.top(t.x), shell.top(t.y), shell.top(t.z)}));
+        truths.emplace_back(
+            prism_of({shell.base(t.x), shell.base(t.y), shell.base(t.z)}, {shell.top(t.x), shell.top(t.y), shell.top(t.z)}));
     }
     std::size_t found = 0;
     for (std::size_t p = 0; p < truths.size(); ++p) {
@@ -102,7 +101,8 @@ constexpr float shifts[] = {0.0f, -0.5f, -1.0f};
 
 TEST(RepairFolds, LeavesSoundShellsAlone)
 {
-    for (const SurfaceMesh& mesh : {cube(), round_octahedron(3), flat_grid(4, 4, 1.0f, 1.0f), torus(1.0f, 0.4f, 24, 16, 3, 2)}) {
+    for (const SurfaceMesh& mesh :
+         {cube(), round_octahedron(3), flat_grid(4, 4, 1.0f, 1.0f), torus(1.0f, 0.4f, 24, 16, 3, 2)}) {
         const Shell before = mesh.shell(0.3f);
         Shell after = before;
         Job job;
@@ -167,9 +167,11 @@ TEST(RepairFolds, Spikes)
 
 TEST(RepairFolds, GroovesAndSaddles)
 {
-    const SurfaceMesh groove = height_field(32, [](float x, float) { return -0.5f * std::exp(-std::pow((x - 0.5f) / 0.08f, 4.0f)); });
+    const SurfaceMesh groove =
+        height_field(32, [](float x, float) { return -0.5f * std::exp(-std::pow((x - 0.5f) / 0.08f, 4.0f)); });
     const SurfaceMesh saddle = height_field(24, [](float x, float y) { return 4.0f * (x - 0.5f) * (y - 0.5f); });
-    const SurfaceMesh waves = height_field(40, [](float x, float y) { return 0.1f * std::sin(20.0f * x) * std::sin(20.0f * y); });
+    const SurfaceMesh waves =
+        height_field(40, [](float x, float y) { return 0.1f * std::sin(20.0f * x) * std::sin(20.0f * y); });
     for (const float shift : shifts) {
         EXPECT_GT(repaired(groove, 0.1f, shift, false, "groove"), 0.8f);
         EXPECT_GT(repaired(saddle, 0.2f, shift, false, "saddle"), 0.8f);
@@ -220,9 +222,9 @@ TEST(RepairFolds, MirrorImagesStayMirrorImages)
     std::size_t lowered = 0;
     for (std::size_t v = 0; v < shell.positions.size(); ++v) {
         const glm::vec3 mirrored = shell.positions[v] * glm::vec3(-1.0f, 1.0f, 1.0f);
-        const auto nearest = std::min_element(shell.positions.begin(), shell.positions.end(), [&](const glm::vec3& a, const glm::vec3& b) {
-            return glm::length(a - mirrored) < glm::length(b - mirrored);
-        });
+        const auto nearest = std::min_element(
+            shell.positions.begin(), shell.positions.end(),
+            [&](const glm::vec3& a, const glm::vec3& b) { return glm::length(a - mirrored) < glm::length(b - mirrored); });
         ASSERT_LT(glm::length(*nearest - mirrored), 1e-6f);
         const float other = shell.thickness[static_cast<std::size_t>(nearest - shell.positions.begin())];
         EXPECT_NEAR(shell.thickness[v], other, 0.02f * before.thickness[v]) << "but for a step of the bisection";
@@ -233,7 +235,8 @@ TEST(RepairFolds, MirrorImagesStayMirrorImages)
 
 TEST(RepairFolds, ColumnsWithoutThicknessStay)
 {
-    Shell shell = height_field(16, [](float x, float) { return -0.4f * std::exp(-std::pow((x - 0.5f) / 0.1f, 4.0f)); }).shell(0.15f);
+    Shell shell =
+        height_field(16, [](float x, float) { return -0.4f * std::exp(-std::pow((x - 0.5f) / 0.1f, 4.0f)); }).shell(0.15f);
     for (std::size_t v = 0; v < shell.thickness.size(); ++v) {
         shell.thickness[v] *= std::clamp(4.0f * shell.positions[v].y - 1.0f, 0.0f, 1.0f);
     }
@@ -273,7 +276,8 @@ TEST(RepairFolds, SheetsThatShareAnEdgeEnd)
 
 TEST(RepairFolds, BuildShellRepairs)
 {
-    const SurfaceMesh mesh = height_field(24, [](float x, float) { return -0.5f * std::exp(-std::pow((x - 0.5f) / 0.08f, 4.0f)); });
+    const SurfaceMesh mesh =
+        height_field(24, [](float x, float) { return -0.5f * std::exp(-std::pow((x - 0.5f) / 0.08f, 4.0f)); });
     ShellOptions options;
     options.thickness = 0.1f;
     options.repair = true;
@@ -284,7 +288,8 @@ TEST(RepairFolds, BuildShellRepairs)
     EXPECT_EQ(built.thickness, expected.thickness);
     for (std::size_t p = 0; p < built.prisms.size(); ++p) {
         for (int i = 0; i < 3; ++i) {
-            EXPECT_EQ(glm::vec3(built.prisms[p][static_cast<std::size_t>(i) + 3]), built.top(built.topology->triangles[p][i]));
+            EXPECT_EQ(glm::vec3(built.prisms[p][static_cast<std::size_t>(i) + 3]),
+                      built.top(built.topology->triangles[p][i]));
         }
     }
 }

@@ -84,8 +84,8 @@ TEST(FindFolds, FacingPlatesTouchAtHalfTheirDistance)
 }
 
 // Two plates that meet at a concave angle: the bisector of the angle is the director along the crease, so that the prisms'
-// columns end on the plane between the plates there. `arm` beyond the crease a plate is as thick as its distance from that plane
-// at a thickness of arm tan(angle / 2).
+// columns end on the plane between the plates there. `arm` beyond the crease a plate is as thick as its distance from that
+// plane at a thickness of arm tan(angle / 2).
 TEST(FindFolds, ValleysFoldWhereTheNextColumnsMeet)
 {
     // One cell on each side: the only columns off the crease stand at a distance of 1 from it.
@@ -219,7 +219,9 @@ TEST(FindFolds, EveryPointInTwoPrismsIsReported)
                             continue;
                         }
                         ++overlaps;
-                        const auto marked = [&](std::size_t i) { return folds.intersecting[i] != 0 || folds.inverted[i] != 0; };
+                        const auto marked = [&](std::size_t i) {
+                            return folds.intersecting[i] != 0 || folds.inverted[i] != 0;
+                        };
                         // Beside an inverted prism, one with a vertex of it need not be marked as well.
                         const bool beside = share_vertex(shell, p, q) && (folds.inverted[p] != 0 || folds.inverted[q] != 0);
                         EXPECT_TRUE(beside || (marked(p) && marked(q))) << seed << " " << shift << ": " << p << " and " << q;

@@ -252,7 +252,8 @@ TEST(PrismInverse, NoPlaceWithoutVolumeOrTexture)
     EXPECT_FALSE(place_of_position(flat, {0.25f, 0.25f, 0.5f}));
     EXPECT_FALSE(place_of_position(flat, {0.25f, 1.25f, 0.0f}));
     // All corners at one place of the texture, or on a line through it.
-    PrismTexels prism = prism_of(base, {base[0] + glm::vec3(0, 0, 1), base[1] + glm::vec3(0, 0, 1), base[2] + glm::vec3(0, 0, 1)});
+    const glm::vec3 up(0, 0, 1);
+    PrismTexels prism = prism_of(base, {base[0] + up, base[1] + up, base[2] + up});
     EXPECT_FALSE(place_of_texture(prism, {0.0f, 0.0f, 0.5f}));
     for (std::size_t i = 0; i < 6; ++i) {
         prism[i].w = 0.1f * static_cast<float>(i % 3);

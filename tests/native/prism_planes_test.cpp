@@ -159,7 +159,8 @@ TEST(PrismPlanes, NeighborsShareTheirFins)
         for (std::size_t k = 0; k < spans.size(); ++k) {
             covered += std::max(0.0f, spans[k].t_out - std::max(spans[k].t_in, end));
             end = std::max(end, spans[k].t_out);
-            if (k > 0 && std::abs(spans[k].t_in - spans[k - 1].t_out) < 1e-5f && spans[k].q_in.z > 0.01f && spans[k].q_in.z < 0.99f) {
+            const bool in_fin = spans[k].q_in.z > 0.01f && spans[k].q_in.z < 0.99f;
+            if (k > 0 && in_fin && std::abs(spans[k].t_in - spans[k - 1].t_out) < 1e-5f) {
                 joints += 1;
                 goes_on += std::abs(spans[k].q_in.z - spans[k - 1].q_out.z) < 1e-4f ? 1 : 0;
             }

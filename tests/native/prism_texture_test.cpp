@@ -94,9 +94,11 @@ TEST(PrismTexture, TopUvsShearThePattern)
             ASSERT_LE(glm::length(glm::dvec3(picture.texture[pixel]) - expected), 2e-5) << "pixel " << x << " " << y;
             // The ball's outward gradient, through the shear's transpose; away from the rim, where a voxel's gradient tells.
             const glm::dvec3 metric = expected * glm::dvec3(1.0, 1.0, tile_height);
-            const glm::dvec3 out = metric - glm::dvec3(center) - glm::floor(metric - glm::dvec3(center) + 0.5) * glm::dvec3(1, 1, 0);
+            const glm::dvec3 away = metric - glm::dvec3(center);
+            const glm::dvec3 out = away - glm::floor(away + 0.5) * glm::dvec3(1, 1, 0);
             const glm::dvec3 normal(out.x, out.y, (0.3 * out.x - 0.2 * out.y) / tile_height + out.z);
-            ASSERT_GE(glm::dot(glm::normalize(normal), glm::dvec3(picture.normal[pixel])), 0.995) << "pixel " << x << " " << y;
+            ASSERT_GE(glm::dot(glm::normalize(normal), glm::dvec3(picture.normal[pixel])), 0.995)
+                << "pixel " << x << " " << y;
             hits += 1;
         }
     }
@@ -186,7 +188,8 @@ TEST(PrismTexture, MirroredIslandGivesTheMirrorImage)
     }
     // Both islands in one mesh, seen from the plane between them: a picture that is its own mirror image.
     const Shell both = joined(mesh, mirrored(mesh), {1.9f, 0.0f, 0.0f}, {-1.9f, 0.0f, 0.0f}).shell(0.2f, 1);
-    const Rendering pair = render_with(both, map, Camera(true, {0.0, -4.0, 3.0}, {0, 0, 0}, 0.75, size).view(), sdf_traversal);
+    const View between = Camera(true, {0.0, -4.0, 3.0}, {0, 0, 0}, 0.75, size).view();
+    const Rendering pair = render_with(both, map, between, sdf_traversal);
     expect_mirror_image(pair, pair);
 }
 
@@ -204,8 +207,10 @@ TEST(PrismTexture, MirroredUvsOfAMirroredTileAreTheSamePicture)
     int apart = 0;
     for (std::size_t i = 0; i < picture.hit.size(); ++i) {
         hits += picture.hit[i];
-        apart += picture.hit[i] == image.hit[i] && (picture.hit[i] == 0 || (std::abs(picture.distance[i] - image.distance[i]) < 1e-3f &&
-                                                    glm::length(picture.normal[i] - image.normal[i]) < 2e-2f)) ? 0 : 1;
+        const bool same = picture.hit[i] == image.hit[i] &&
+                          (picture.hit[i] == 0 || (std::abs(picture.distance[i] - image.distance[i]) < 1e-3f &&
+                                                   glm::length(picture.normal[i] - image.normal[i]) < 2e-2f));
+        apart += same ? 0 : 1;
     }
     EXPECT_GT(hits, 1000);
     EXPECT_LE(apart, hits / 500);

@@ -204,7 +204,8 @@ Shell slanted(const SurfaceMesh& surface, float thickness, const glm::vec2& shif
 
 TEST(Realize, TopWithMovedUvsShearsTheSolid)
 {
-    // (u, v) = (x, y) + w * shift: the solid leans by -shift * w, its volume stays. Balls that no outline cuts, leaning or not.
+    // (u, v) = (x, y) + w * shift: the solid leans by -shift * w, its volume stays. Balls that no outline cuts, leaning or
+    // not.
     const float thickness = 0.5f;
     const Sample sample = sphere({0.5f, 0.5f, 0.25f}, 0.2f, 12, 16).sample(thickness);
     const glm::vec2 shift(0.25f, -0.125f);
@@ -224,8 +225,8 @@ TEST(Realize, TopWithMovedUvsShearsTheSolid)
 
 TEST(Realize, TopWithLargerUvsTapersTheSolid)
 {
-    // UVs of the top are 1.5 times those of the base about the origin: a slab's sheet at height w keeps its area, for it covers the
-    // prism whatever its UVs, and stays flat.
+    // UVs of the top are 1.5 times those of the base about the origin: a slab's sheet at height w keeps its area, for it
+    // covers the prism whatever its UVs, and stays flat.
     Shell shell = flat_grid(2, 2, 1.0f, 1.0f).shell(0.4f);
     for (PrismTexels& prism : shell.prisms) {
         for (std::size_t i = 0; i < 3; ++i) {

@@ -93,8 +93,8 @@ TEST(Relax, FineShellsNeedNoMoreSteps)
 
 TEST(Relax, EndsWhereNoMoveGains)
 {
-    // Waves of many lengths and directions, small and large, all over the top: none lowers the total of a relaxed torus, whose UVs
-    // go on around it. Its own total cannot tell less than 1e-7.
+    // Waves of many lengths and directions, small and large, all over the top: none lowers the total of a relaxed torus,
+    // whose UVs go on around it. Its own total cannot tell less than 1e-7.
     const Shell end = relaxed(torus(1.0f, 0.4f, 24, 16, 9.0f, 6.0f).shell(0.3f), 100);
     const double least = stretch(end).total;
     ASSERT_LT(least, stretch(torus(1.0f, 0.4f, 24, 16, 9.0f, 6.0f).shell(0.3f)).total);
@@ -180,8 +180,8 @@ TEST(Relax, PatternGoesOnWhereItDid)
 
 TEST(Relax, MirroredMeshMovesMirrored)
 {
-    // Mirrored in z, with v turned to match, a quad lists its corners the other way round, so that it still faces outward; from the
-    // same corner, so that its diagonal is the same.
+    // Mirrored in z, with v turned to match, a quad lists its corners the other way round, so that it still faces outward;
+    // from the same corner, so that its diagonal is the same.
     const SurfaceMesh mesh = torus(1.0f, 0.4f, 24, 16, 9.0f, 6.0f);
     SurfaceMesh mirrored = mesh;
     for (glm::vec3& p : mirrored.positions) {
@@ -241,7 +241,7 @@ TEST(Relax, BuildRelaxesTheTable)
     ShellOptions options;
     options.thickness = 0.1f;
     options.relax_steps = 10;
-    std::vector<PrismTexels> prisms;
+    RecycledVector<PrismTexels> prisms;
     for (const int threads : {1, 2, 3}) {
         Job job(threads);
         const Shell shell = build_shell(mesh.surface(), options, job);

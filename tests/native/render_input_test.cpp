@@ -72,6 +72,19 @@ TEST(RenderInput, TraversalThatDoesNotExist)
     }
 }
 
+TEST(RenderInput, FinsThatDoNotExist)
+{
+    const Shell shell = flat_grid(1, 1, 1.0f, 1.0f).shell(0.5f);
+    const View view = Camera(true, {0, 0, 2}, {0, 0, 0}, 0.5, {4, 4}).view();
+    for (const int fins : {-1, 2, 1000}) {
+        ShellParams params = settings(sdf_traversal);
+        params.mode.z = fins;
+        Job job;
+        expect_refusal<InvalidArgument>([&] { render(shell, ball_map(), view, params, job); },
+                                        {"fins", std::to_string(fins).c_str()});
+    }
+}
+
 TEST(RenderInput, MapWithoutADistanceField)
 {
     const Shell shell = flat_grid(1, 1, 1.0f, 1.0f).shell(0.5f);

@@ -56,9 +56,9 @@ TEST(Render, SdfAgreesWithTheRealizedTorus)
 {
     for (const bool perspective : {true, false}) {
         const Difference difference = torus_difference(96, 64, perspective);
+        EXPECT_GT(difference.pixels, 3000u);
         // The law of the project. Balls are 10 pixels wide: one of a hundred pixels is a fortieth of a pixel all around
         // them.
-        EXPECT_GT(difference.pixels, 3000u);
         EXPECT_GE(difference.silhouette_iou, 0.99);
         // A voxel is 1/40 of a tile, about 0.5 / 40 in space. Sphere tracing ends 0.02 voxels early, and interpolating
         // a distance at radius r = 0.24 errs by 3 h^2 / (8 r) = 0.04 voxels: less than a tenth, the ray being aslant
@@ -90,8 +90,8 @@ TEST(Render, SdfAgreesWithTheRealizedTorusWhoseTopIsRelaxed)
 
 TEST(Render, SdfAgreesWithARealizedPartThatThinsOut)
 {
-    // Half of the torus, cut where its border cuts tiles and balls, with a thickness that falls to 0 around it: prisms become
-    // wedges, then vanish. The shell is inward, so that the balls' tops lie below the surface.
+    // Half of the torus, cut where its border cuts tiles and balls, with a thickness that falls to 0 around it: prisms
+    // become wedges, then vanish. The shell is inward, so that the balls' tops lie below the surface.
     const SurfaceMesh mesh = torus(1.0f, 0.4f, 96, 64, 9.0f, 6.0f);
     std::vector<float> factors;
     for (const glm::vec3& p : mesh.positions) {

@@ -100,6 +100,22 @@ TEST(Seams, MirroredIslandsCount)
     EXPECT_EQ(seams_of(mesh.shell(0.1f)), 1u);
 }
 
+TEST(Seams, FaceTurnedOverStillContinues)
+{
+    // Two triangles of one square, the second listed clockwise: its UVs wind the other way because its corners do.
+    SurfaceMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    mesh.normals.assign(4, glm::vec3(0, 0, 1));
+    mesh.face_sizes = {3, 3};
+    mesh.corners = {0, 1, 2, 0, 3, 2};
+    for (const std::int32_t corner : mesh.corners) {
+        mesh.uvs.emplace_back(mesh.positions[static_cast<std::size_t>(corner)]);
+    }
+    EXPECT_EQ(seams_of(mesh.shell(0.1f)), 0u);
+    mesh.uvs[4] = {1.0f, 0.0f};  // folded over at the diagonal
+    EXPECT_EQ(seams_of(mesh.shell(0.1f)), 1u);
+}
+
 TEST(Seams, BordersDoNotCount)
 {
     const SurfaceMesh mesh = cylinder(12, 1.5f);

@@ -35,7 +35,7 @@ Fin fin_of(const PrismTexels& prism, std::size_t i)
     return {bits_of(prism[i]), bits_of(prism[i + 3]), bits_of(prism[j]), bits_of(prism[j + 3])};
 }
 
-// Whether each fin of each prism has no neighbor; a fin that more than two prisms have, or two on the same side, is a failure.
+// Whether each fin of each prism has no neighbor. A fin that two prisms have on the same side is a failure.
 std::vector<std::array<bool, 3>> border_fins(const Shell& shell)
 {
     std::map<Fin, int> seen;
@@ -126,8 +126,7 @@ public:
         }
     }
 
-    // `kind`: 0 a point within a prism, 1 in a fin, 2 in a column, in any direction; 3 in a fin, along it; 4 in a fin, 5 in a
-    // prism,
+    // `kind`: 0 a point within a prism, 1 in a fin, 2 in a column, in any direction; 3 in a fin, along it; 4 in a fin, 5 in a prism,
     // 6 in a column, along the triangle there; 7 in a fin, along its edge at that height. From 3 on, two in three are off by
     // slopes from 1e-9 to 1e-3.
     void cast(Random& random, int kind)
@@ -195,15 +194,16 @@ private:
         return boxes;
     }
 
-    // Whether the shell ends where a span does: at its bottom, its top, or a fin that no neighbor shares, or a column of one.
+    // Whether the shell ends where a span does: at its bottom, its top, a fin without a neighbor, or a column of one.
     bool ends_outside(const Stretch& stretch, const glm::vec3& q) const
     {
         const float weights[3] = {1.0f - q.x - q.y, q.x, q.y};
         bool outside = q.z < 1e-3f || q.z > 0.999f;
         for (std::size_t i = 0; i < 3; ++i) {
             // Fin i runs from column i to the next: the third weighs nothing there.
-            outside = outside || (border_[stretch.prism][i] && weights[(i + 2) % 3] < 1e-3f) ||
-                      (weights[i] > 0.999f && border_columns_.at(bits_of(shell_.prisms[stretch.prism][i])));
+            const bool in_fin = border_[stretch.prism][i] && weights[(i + 2) % 3] < 1e-3f;
+            const bool in_column = weights[i] > 0.999f && border_columns_.at(bits_of(shell_.prisms[stretch.prism][i]));
+            outside = outside || in_fin || in_column;
         }
         return outside;
     }
@@ -238,17 +238,19 @@ private:
                 ends_well = false;
             }
             // At a corner of the shell rounding decides which prism comes first.
-            begins_outside = begins_outside || (stretch.span.t_in <= begin + gap && ends_outside(stretch, stretch.span.q_in));
+            const bool same_begin = stretch.span.t_in <= begin + gap;
+            begins_outside = begins_outside || (same_begin && ends_outside(stretch, stretch.span.q_in));
             const bool same_end = last && std::abs(stretch.span.t_out - last->span.t_out) <= gap;
-            ends_well = (ends_well && (same_end || stretch.span.t_out < last->span.t_out)) ||
-                        ((!last || same_end || stretch.span.t_out > last->span.t_out) && ends_outside(stretch, stretch.span.q_out));
+            const bool goes_on = !last || stretch.span.t_out > last->span.t_out;
+            ends_well = (ends_well && (same_end || !goes_on)) ||
+                        ((same_end || goes_on) && ends_outside(stretch, stretch.span.q_out));
             if (!last || stretch.span.t_out > last->span.t_out) {
                 last = stretch;
             }
         }
         ASSERT_TRUE(begins_outside && ends_well) << "kind " << kind << ": a ray begins or ends within the shell";
-        const double reachable = 3.0 * truths_[through].size() * truths_[through].coordinate_error(origin, dir, height);
-        ASSERT_LE(nearest, 1e-4 + std::min(reachable, 1e-2)) << "kind " << kind << ": a ray misses the point within the shell that it runs through";
+        const double error = 3.0 * truths_[through].size() * truths_[through].coordinate_error(origin, dir, height);
+        ASSERT_LE(nearest, 1e-4 + std::min(error, 1e-2)) << "kind " << kind << ": a ray misses the point that it runs through";
         rays_ += 1;
     }
 

@@ -8,8 +8,8 @@
 
 namespace mesoshell {
 
-// A quad grid bent around the z axis with a profile r(z); u runs around, v along z, `tiles` of each. Normals are exact where the
-// profile's slope is given.
+// A quad grid bent around the z axis with a profile r(z); u runs around, v along z, `tiles` of each. Normals are exact where
+// the profile's slope is given.
 template <typename Radius, typename Slope>
 SurfaceMesh lathe(int around, int along, float tiles_u, float tiles_v, const Radius& radius, const Slope& slope)
 {

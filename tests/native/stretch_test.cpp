@@ -73,9 +73,9 @@ TEST(Stretch, ShearTurnsTheAxes)
 
 TEST(Stretch, ConeOfOneQuadHasItsExactIntegral)
 {
-    // One narrow wedge of a cylinder: the base of width b, the top of width c, so that at height w the width is b + (c - b) w; the
-    // depth is 1 at both. With UVs of the base in proportion, |dP/du| = 1 + k w, k = c / b - 1, |dP/dv| = 1, and dP/dw is h upward
-    // and k x sideways, x from -b / 2 to b / 2.
+    // One narrow wedge of a cylinder: the base of width b, the top of width c, so that at height w the width is b + (c - b)
+    // w; the depth is 1 at both. With UVs of the base in proportion, |dP/du| = 1 + k w, k = c / b - 1, |dP/dv| = 1, and
+    // dP/dw is h upward and k x sideways, x from -b / 2 to b / 2.
     SurfaceMesh mesh = flat_grid(1, 1, 0.5f, 1.0f);
     const double b = 0.5;
     const double k = 0.5;
@@ -90,7 +90,8 @@ TEST(Stretch, ConeOfOneQuadHasItsExactIntegral)
         shell.directors[i] = rise / shell.thickness[i];
     }
     const Stretch found = stretch(shell, {1.0, h});
-    // Over the volume element (1 + k w) dx dy dw, x over the base's width: the mean of |dP/du|^2 + |dP/dv|^2 + |dP/dw|^2 / h^2.
+    // Over the volume element (1 + k w) dx dy dw, x over the base's width: the mean of |dP/du|^2 + |dP/dv|^2 + |dP/dw|^2 /
+    // h^2.
     const double volume = 1.0 + k / 2;
     const double u = (std::pow(1.0 + k, 4) - 1.0) / (4.0 * k) / volume;
     const double w = 1.0 + k * k * b * b / 12.0 / (h * h);
@@ -117,7 +118,8 @@ TEST(Stretch, CylinderOutwardConvergesToItsIntegral)
     EXPECT_NEAR(errors[1] / errors[0], 0.25, 0.05);  // chords are off by the square of their angle
 }
 
-// Sums over a fine grid of midpoints in prism coordinates, the map's derivative by differences: shares nothing with the integrals.
+// Sums over a fine grid of midpoints in prism coordinates, the map's derivative by differences: shares nothing with the
+// integrals.
 double brute_force_rms(const Shell& shell, std::size_t p, double aspect, double height, double scale)
 {
     const glm::uvec3& t = shell.topology->triangles[p];
@@ -245,8 +247,8 @@ TEST(Stretch, UvsWithoutAreaAreInfiniteAndCounted)
 
 TEST(Stretch, UvsThatTurnOverBetweenAreInfinite)
 {
-    // The top is the base times -1 in u and -2 in v about the triangle's middle, twice its area and wound alike; between, at height
-    // w, it is (1 - 2 w) (1 - 3 w) times the area: wound the other way from 1/3 to 1/2.
+    // The top is the base times -1 in u and -2 in v about the triangle's middle, twice its area and wound alike; between, at
+    // height w, it is (1 - 2 w) (1 - 3 w) times the area: wound the other way from 1/3 to 1/2.
     SurfaceMesh mesh = one_triangle();
     mesh.uvs = {{0.125f, 0.25f}, {0.5f, 0.5f}, {0.75f, 1.0f}};
     Shell shell = mesh.shell(0.5f);

@@ -21,9 +21,9 @@ struct RealizedMesh {
 };
 
 // For every prism: the tile's triangles that its texture triangle covers, clipped to it, split until the bilinear map bends
-// them by little, and mapped. Where the top has other UVs than the base the texture triangle is another at each height, and the
-// tile's triangles are split before they are clipped. Open where the slab clips the solid. Throws InvalidArgument for a prism
-// whose UVs turn over between base and top; Cancelled.
+// them by little, and mapped. Where the top has other UVs than the base the texture triangle is another at each height, and
+// the tile's triangles are split before they are clipped. Open where the slab clips the solid. Throws InvalidArgument for a
+// prism whose UVs turn over between base and top; Cancelled.
 RealizedMesh realize(const Shell& shell, const Sample& sample, Job& job);
 
 // A picture of any triangle mesh; row 0 is the bottom. Nothing hit: distance infinite, normal 0.

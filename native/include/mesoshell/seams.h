@@ -26,8 +26,8 @@ std::vector<SharedEdge> shared_edges(const ShellTopology& topology);
 // UVs on both sides of a seam continue where they differ by whole tiles, the same at both ends, up to this many tiles.
 constexpr float seam_tolerance = 1e-3f;
 
-// Whether the pattern goes on across an edge: its UVs at the base and at the top continue, and the UVs of both prisms wind alike
-// (a mirrored island continues nowhere). A prism whose UVs have no area winds as any other.
+// Whether the pattern goes on across an edge: its UVs at the base and at the top continue, and the UVs of both prisms wind
+// alike (a mirrored island continues nowhere). A prism whose UVs have no area winds as any other.
 bool pattern_continues(const Shell& shell, const SharedEdge& edge);
 
 struct Seams {

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "mesoshell/job.h"
+#include "mesoshell/recycled.h"
 #include "mesoshell/surface.h"
 
 namespace mesoshell {
@@ -75,8 +76,8 @@ struct Shell {
     float shift = 0.0f;
 
     // The same as the draw program reads it (shell_table.h makes these).
-    std::vector<PrismTexels> prisms;
-    std::vector<PrismIndices> indices;
+    RecycledVector<PrismTexels> prisms;
+    RecycledVector<PrismIndices> indices;
     glm::vec3 lower{0.0f};
     glm::vec3 upper{0.0f};
 
