@@ -26,13 +26,12 @@ def build(native, part, fresh):
         PRIMITIVES[name]()
         obj = bpy.context.active_object
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        surface = part("host.meshes").read_surface(obj, depsgraph, polygons=options["levels"] > 0)
-        if options["levels"] == 0:
-            # Blender's own: around a vertex of the monkey, faces are folded onto each other.
-            normals = np.empty((len(surface.positions), 3), np.float32)
-            obj.data.vertices.foreach_get("normal", normals.ravel())
-            options["normals"] = normals
-        return lambda repair: native.build_shell(*surface, repair=repair, **options)
+        meshes = part("host.meshes")
+        # At level 0 with Blender's own normals: around a vertex of the monkey, faces are folded onto each other.
+        reading = meshes.Reading(polygons=options["levels"] > 0, normals=options["levels"] == 0)
+        surface = meshes.read_surface(obj, depsgraph, reading)
+        arguments = part("host.shell_building").surface_arguments(surface)
+        return lambda repair: native.build_shell(*arguments, normals=surface.normals, repair=repair, **options)
     return build
 
 

@@ -106,7 +106,7 @@ def _metric(obj, depsgraph):
 
 
 def _rounded(value):
-    """To five digits: an object that turns keeps its measures but for the last ones, and its shell need not be built again."""
+    """To five digits: an object that turns keeps its measures but for the last ones, and need not be built again."""
     return float(f"{value:.5g}")
 
 
