@@ -133,7 +133,8 @@ Shell update_shell(const Shell& shell, const Pose& pose, Job& job)
     moved.thickness = rig.thickness;
     if (!pose.thickness_factors.empty()) {
         moved.thickness = rig.limit.interpolate(pose.thickness_factors, job);
-        std::transform(rig.full_thickness.begin(), rig.full_thickness.end(), moved.thickness.begin(), moved.thickness.begin(),
+        std::transform(rig.full_thickness.begin(), rig.full_thickness.end(), moved.thickness.begin(),
+                       moved.thickness.begin(),
                        std::multiplies<>());
     }
     take_pose(moved, rig.limit.evaluate(pose.positions, pose.normals, job), job);
