@@ -14,12 +14,13 @@ class CornerFans {
 public:
     CornerFans() = default;
     // `chosen` has one a vertex.
-    CornerFans(std::span<const std::int32_t> face_sizes, std::span<const std::int32_t> corners, const std::vector<bool>& chosen);
+    CornerFans(std::span<const std::int32_t> face_sizes, std::span<const std::int32_t> corners,
+               const std::vector<bool>& chosen);
 
     std::size_t size() const { return vertices_.size(); }
     std::uint32_t vertex(std::size_t fan) const { return vertices_[fan]; }
-    // Face normals weighted by the angle at the vertex, so that triangulation does not matter. Unit length; zero where no face at
-    // the vertex has an area, or where they cancel.
+    // Face normals weighted by the angle at the vertex, so that triangulation does not matter. Unit length; zero where no
+    // face at the vertex has an area, or where they cancel.
     glm::vec3 normal(std::size_t fan, std::span<const glm::vec3> positions) const;
 
     std::size_t bytes() const

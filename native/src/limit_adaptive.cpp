@@ -1,5 +1,5 @@
-// Adaptive refinement: every edge has as many parts as its length asks for, and each face joins those of its edges. An edge's points
-// belong to the edge and are evaluated once, so that faces beside it meet without a crack.
+// Adaptive refinement: every edge has as many parts as its length asks for, and each face joins those of its edges. An
+// edge's points belong to the edge and are evaluated once, so that faces beside it meet without a crack.
 #include "limit_refiner.h"
 
 #include <algorithm>
@@ -43,7 +43,8 @@ public:
     PatchOver(const Patch& patch, std::span<const Value> values) : patch_(patch), points_(patch.GetNumPatchPoints())
     {
         const Patch::PointDescriptor rows(size);
-        patch.PreparePatchPoints(reinterpret_cast<const float*>(values.data()), rows, reinterpret_cast<float*>(points_.data()), rows);
+        patch.PreparePatchPoints(reinterpret_cast<const float*>(values.data()), rows,
+                                 reinterpret_cast<float*>(points_.data()), rows);
     }
     Value at(const glm::vec2& place) const
     {
@@ -59,7 +60,10 @@ public:
         return value;
     }
     // The patch's control points come first among its points.
-    std::span<const Value> controls() const { return {points_.data(), static_cast<std::size_t>(patch_.GetNumControlPoints())}; }
+    std::span<const Value> controls() const
+    {
+        return {points_.data(), static_cast<std::size_t>(patch_.GetNumControlPoints())};
+    }
 
 private:
     static constexpr int size = sizeof(Value) / sizeof(float);
@@ -119,7 +123,10 @@ public:
         return limit;
     }
 
-    std::size_t bytes() const override { return patches_.capacity() * sizeof(Patch) + samples_.all.capacity() * sizeof(Sample); }
+    std::size_t bytes() const override
+    {
+        return patches_.capacity() * sizeof(Patch) + samples_.all.capacity() * sizeof(Sample);
+    }
 
 private:
     std::vector<Patch> patches_;
@@ -133,7 +140,8 @@ using Rates = std::vector<int>;
 class AdaptiveRefinement {
 public:
     AdaptiveRefinement(const Surface& surface, const Refinement& refinement)
-        : surface_(surface), measure_(refinement), most_parts_(1 << (refinement.levels > 0 ? refinement.levels : default_levels)),
+        : surface_(surface), measure_(refinement),
+          most_parts_(1 << (refinement.levels > 0 ? refinement.levels : default_levels)),
           uvs_(share_uvs(surface)), refiner_(make_refiner(surface, uvs_, refinement)), mesh_(refiner_->GetLevel(0)),
           factory_(*refiner_, patch_options())
     {
@@ -159,11 +167,11 @@ private:
         for_faces(job, mesh_.GetNumFaces(), [&](int face) {
             if (!patches_take(mesh_, face)) {
                 throw Error("face " + std::to_string(face) +
-                            " of the surface has too many creases around for adaptive refinement; refine to a level instead");
+                            " of the surface has too many creases around for adaptive refinement; refine to a level");
             }
             if (!factory_.InitVertexSurface(face, &patches_[face])) {
                 throw Error("face " + std::to_string(face) +
-                            " of the surface has no limit surface; repair the faces around it, or refine to a level instead");
+                            " of the surface has no limit surface; repair the faces around it, or refine to a level");
             }
         });
     }
@@ -241,12 +249,13 @@ private:
 
     Bfr::Tessellation tessellation(int face) const
     {
-        return Bfr::Tessellation(patches_[face].GetParameterization(), static_cast<int>(rates_[face].size()), rates_[face].data(),
+        return Bfr::Tessellation(patches_[face].GetParameterization(), static_cast<int>(rates_[face].size()),
+                                 rates_[face].data(),
                                  Bfr::Tessellation::Options().SetFacetSize(4).PreserveQuads(true));
     }
 
-    // Where the points of edges and faces begin: vertices of the mesh, then edges in turn, then insides of faces in turn. UVs alike,
-    // but an edge has its points once for every two UVs that its ends have.
+    // Where the points of edges and faces begin: vertices of the mesh, then edges in turn, then insides of faces in turn.
+    // UVs alike, but an edge has its points once for every two UVs that its ends have.
     void count(Job& job)
     {
         const int faces = mesh_.GetNumFaces();
@@ -309,7 +318,10 @@ private:
         return forward(face, i) ? UvSide{{a, b}, face, 0} : UvSide{{b, a}, face, 0};
     }
     // Whether a face runs along its edge in the edge's own direction.
-    bool forward(int face, int i) const { return mesh_.GetFaceVertices(face)[i] == mesh_.GetEdgeVertices(mesh_.GetFaceEdges(face)[i])[0]; }
+    bool forward(int face, int i) const
+    {
+        return mesh_.GetFaceVertices(face)[i] == mesh_.GetEdgeVertices(mesh_.GetFaceEdges(face)[i])[0];
+    }
 
     // Points around a face in the order of its boundary: each vertex, then those of the edge that begins there.
     template <typename At, typename First>
@@ -361,7 +373,8 @@ private:
             };
             const std::vector<int> points =
                 boundary(face, [&](int i) { return vertices[i]; }, [&](int i) { return edge_points_[edges[i]]; });
-            const std::vector<int> uvs = boundary(face, [&](int i) { return uv_values[i]; }, [&](int i) { return uv_side(i).first; });
+            const std::vector<int> uvs = boundary(face, [&](int i) { return uv_values[i]; },
+                                                  [&](int i) { return uv_side(i).first; });
 
             Patch uv_patch;
             if (!factory_.InitFaceVaryingSurface(face, &uv_patch)) {
@@ -393,7 +406,8 @@ private:
                         return -1;
                     }
                     const auto index = static_cast<std::size_t>(i);
-                    return index < around.size() ? around[index] : static_cast<std::int32_t>(first_inner + index - around.size());
+                    return index < around.size() ? around[index]
+                                                 : static_cast<std::int32_t>(first_inner + index - around.size());
                 });
                 return result;
             };
@@ -410,7 +424,8 @@ private:
                 topology.face_sizes.push_back(size);
                 topology.faces.push_back(face);
                 topology.corners.insert(topology.corners.end(), corners[face].begin() + i, corners[face].begin() + i + size);
-                topology.uv_corners.insert(topology.uv_corners.end(), uv_corners[face].begin() + i, uv_corners[face].begin() + i + size);
+                topology.uv_corners.insert(topology.uv_corners.end(), uv_corners[face].begin() + i,
+                                           uv_corners[face].begin() + i + size);
             }
             samples_.all.insert(samples_.all.end(), samples[face].begin(), samples[face].end());
             samples_.firsts.push_back(samples_.all.size());
@@ -435,8 +450,10 @@ private:
         }
         for (int vertex = 0; vertex < mesh_.GetNumVertices(); ++vertex) {
             const int faces = mesh_.GetVertexFaces(vertex).size();
-            const int ends = mesh_.IsVertexBoundary(vertex) ? 0 : 1;  // a crease that ends in the surface is a dart, which is smooth
-            const bool rounded = faces == 1 && mesh_.GetVertexRule(vertex) == Sdc::Crease::RULE_CREASE;  // its tangents are parallel
+            // a crease that ends in the surface is a dart, which is smooth
+            const int ends = mesh_.IsVertexBoundary(vertex) ? 0 : 1;
+            // its tangents are parallel
+            const bool rounded = faces == 1 && mesh_.GetVertexRule(vertex) == Sdc::Crease::RULE_CREASE;
             sharp[vertex] = linear || faces == 0 || rounded || mesh_.IsVertexNonManifold(vertex) || creases[vertex] > ends ||
                             (mesh_.GetVertexSharpness(vertex) > sharp_levels && faces > 1);
         }
@@ -467,7 +484,8 @@ private:
 Refined refine_adaptively(const Surface& surface, const Refinement& refinement, Job& job)
 {
     check_valences(surface, most_patch_faces,
-                   "adaptive refinement takes up to " + std::to_string(most_patch_faces) + "; split it or refine to a level instead");
+                   "adaptive refinement takes up to " + std::to_string(most_patch_faces) +
+                       "; split it or refine to a level instead");
     return AdaptiveRefinement(surface, refinement).run(job);
 }
 

@@ -16,7 +16,8 @@ constexpr int dart_levels = 10;
 class ExactLimits {
 public:
     explicit ExactLimits(const Far::TopologyRefiner& refiner)
-        : refiner_(refiner), mesh_(refiner.GetLevel(0)), last_(refiner.GetLevel(refiner.GetMaxLevel())), patches_(refiner, patch_options().SetApproxLevelSmooth(dart_levels))
+        : refiner_(refiner), mesh_(refiner.GetLevel(0)), last_(refiner.GetLevel(refiner.GetMaxLevel())),
+          patches_(refiner, patch_options().SetApproxLevelSmooth(dart_levels))
     {
     }
 
@@ -53,7 +54,8 @@ private:
             return true;
         }
         const Far::ConstIndexArray edges = last_.GetVertexEdges(vertex);
-        return std::any_of(edges.begin(), edges.end(), [&](int edge) { return is_semi_sharp(last_.GetEdgeSharpness(edge)); });
+        return std::any_of(edges.begin(), edges.end(),
+                           [&](int edge) { return is_semi_sharp(last_.GetEdgeSharpness(edge)); });
     }
 
     int descendant(int vertex) const

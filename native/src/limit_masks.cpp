@@ -76,7 +76,7 @@ void MaskRows<Weights>::end_row()
             last_ = same->second;
         } else {
             if (weights_.size() + row_.size() > std::numeric_limits<std::uint32_t>::max()) {
-                throw Error("the surface has too many faces around some vertices to be subdivided; use levels = 0 or fewer faces a vertex");
+                throw Error("the surface has too many faces around its vertices to be subdivided; use levels = 0");
             }
             last_ = {static_cast<std::uint32_t>(weights_.size()), static_cast<std::uint32_t>(row_.size())};
             known_.emplace(hash, last_);

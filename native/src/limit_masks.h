@@ -1,5 +1,5 @@
-// Subdivision as a table of masks: each refined point is a weighted sum of points before it, so that moved vertices are refined
-// again without looking at the topology.
+// Subdivision as a table of masks: each refined point is a weighted sum of points before it, so that moved vertices are
+// refined again without looking at the topology.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace mesoshell {
 // Three numbers and one unused, so that a point is one SIMD register.
 using Lanes __attribute__((vector_size(16))) = float;
 
-// Rows of (index, weights), `Weights` a type of one or more floats. Rows with the same weights share them, which a regular mesh
-// has a dozen of: a row costs its indices and 8 bytes.
+// Rows of (index, weights), `Weights` a type of one or more floats. Rows with the same weights share them, which a regular
+// mesh has a dozen of: a row costs its indices and 8 bytes.
 template <typename Weights>
 class MaskRows {
 public:
@@ -44,7 +44,8 @@ public:
     const Weights* weights(std::size_t row) const { return weights_.data() + rows_[row].first_weight; }
     std::size_t bytes() const
     {
-        return rows_.capacity() * sizeof(Row) + indices_.capacity() * sizeof(std::uint32_t) + weights_.capacity() * sizeof(Weights);
+        return rows_.capacity() * sizeof(Row) + indices_.capacity() * sizeof(std::uint32_t) +
+            weights_.capacity() * sizeof(Weights);
     }
 
 private:

@@ -21,8 +21,9 @@ constexpr int sharp_levels = 6;
 // Patches around n faces are fitted to all points around them: n patches cost the cube of n, a second at 300.
 constexpr std::int32_t most_patch_faces = 256;
 
-// Whether a face's patch can be made. Bfr 3.5 writes beyond its memory where more edges around a face are sharp than vertices are
-// around it, or than 8: not around quads, which have more vertices than edges. Nor may too many faces be around it.
+// Whether a face's patch can be made. Bfr 3.5 writes beyond its memory where more edges around a face are sharp than
+// vertices are around it, or than 8: not around quads, which have more vertices than edges. Nor may too many faces be around
+// it.
 bool patches_take(const OpenSubdiv::Far::TopologyLevel& mesh, int face);
 
 inline PatchFactory::Options patch_options()

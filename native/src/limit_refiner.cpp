@@ -147,7 +147,8 @@ void check_valences(const Surface& surface, std::int32_t most, const std::string
     }
 }
 
-std::unique_ptr<Far::TopologyRefiner> make_refiner(const Surface& surface, const UvTopology& uvs, const Refinement& refinement)
+std::unique_ptr<Far::TopologyRefiner> make_refiner(const Surface& surface, const UvTopology& uvs,
+                                                   const Refinement& refinement)
 {
     if (refinement.scheme == Scheme::loop &&
         std::any_of(surface.face_sizes.begin(), surface.face_sizes.end(), [](std::int32_t n) { return n != 3; })) {

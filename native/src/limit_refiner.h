@@ -19,12 +19,13 @@ struct UvTopology {
 };
 UvTopology share_uvs(const Surface& surface);
 
-// Throws Error where more faces than `most` are around a vertex, or more corners around a face; `limit` says why and what to do.
+// Throws Error where more faces than `most` are around a vertex, or more corners around a face; `limit` says why and what to
+// do.
 void check_valences(const Surface& surface, std::int32_t most, const std::string& limit);
 
-// Level 0 of a surface, with its UVs as face-varying channel 0. Of several creases for one edge, or corners for one vertex, the
-// last counts; a crease where no face has an edge (Blender's loose edges) is left out, as nothing is there to be creased. Throws
-// Error for a mesh that OpenSubdiv refuses.
+// Level 0 of a surface, with its UVs as face-varying channel 0. Of several creases for one edge, or corners for one vertex,
+// the last counts; a crease where no face has an edge (Blender's loose edges) is left out, as nothing is there to be
+// creased. Throws Error for a mesh that OpenSubdiv refuses.
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Surface& surface, const UvTopology& uvs,
                                                                const Refinement& refinement);
 

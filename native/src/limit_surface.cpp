@@ -64,13 +64,15 @@ RefinedTopology unrefined(const Surface& surface)
 
 }  // namespace
 
-LimitSurface::LimitSurface(const Surface& surface, const Refinement& refinement, Job& job) : vertices_(surface.positions.size())
+LimitSurface::LimitSurface(const Surface& surface, const Refinement& refinement, Job& job)
+    : vertices_(surface.positions.size())
 {
     const bool adaptive = refinement.edge_length > 0.0f || refinement.edge_pixels > 0.0f;
     if (refinement.levels == 0 && !adaptive) {
         topology_ = unrefined(surface);
     } else {
-        Refined refined = adaptive ? refine_adaptively(surface, refinement, job) : refine_uniformly(surface, refinement, job);
+        Refined refined = adaptive ? refine_adaptively(surface, refinement, job)
+                                    : refine_uniformly(surface, refinement, job);
         topology_ = std::move(refined.topology);
         evaluator_ = std::move(refined.evaluator);
         sharp_ = CornerFans(topology_.face_sizes, topology_.corners, refined.sharp);
@@ -99,7 +101,9 @@ LimitPoints LimitSurface::evaluate(std::span<const glm::vec3> positions, std::sp
         points.positions.assign(positions.begin(), positions.end());
         points.normals.resize(vertices_);
         if (normals.empty()) {
-            std::call_once(fans_made_, [&] { fans_ = CornerFans(face_sizes_, corners_, std::vector<bool>(vertices_, true)); });
+            std::call_once(fans_made_, [&] {
+                fans_ = CornerFans(face_sizes_, corners_, std::vector<bool>(vertices_, true));
+            });
             mend_normals(points, fans_, job);
         } else {
             std::transform(normals.begin(), normals.end(), points.normals.begin(), unit_or_zero);

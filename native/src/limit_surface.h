@@ -26,7 +26,8 @@ struct RefinedTopology {
 struct LimitPoints {
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;  // unit length; zero where the surface has none
-    // Two independent directions in the surface's tangent plane, their lengths as OpenSubdiv's masks have them; none at level 0.
+    // Two independent directions in the surface's tangent plane, their lengths as OpenSubdiv's masks have them; none at
+    // level 0.
     std::vector<glm::mat2x3> tangents;
 };
 
@@ -53,10 +54,11 @@ struct Refined {
 
 // Immutable and free of references to the surface it was made of; may be evaluated by several threads at once.
 //
-// At level 0 the mesh as it is, with its own normals: those given or, without, its faces' weighted by angle. Else points, tangents
-// and normals of the limit surface, exact where it is smooth. Where it has several tangent planes, as on a crease, or where the
-// tangents vanish or are parallel, as around a collapsed edge, the normal is that of the refined faces around the vertex, weighted
-// by angle, and the tangents are two unit vectors perpendicular to it; if those faces have no area either, both are zero.
+// At level 0 the mesh as it is, with its own normals: those given or, without, its faces' weighted by angle. Else points,
+// tangents and normals of the limit surface, exact where it is smooth. Where it has several tangent planes, as on a crease,
+// or where the tangents vanish or are parallel, as around a collapsed edge, the normal is that of the refined faces around
+// the vertex, weighted by angle, and the tangents are two unit vectors perpendicular to it; if those faces have no area
+// either, both are zero.
 class LimitSurface {
 public:
     // Throws Error for a surface that OpenSubdiv refuses.
@@ -67,12 +69,12 @@ public:
 
     std::size_t vertices() const { return vertices_; }  // of the mesh
 
-    // `positions` and, at level 0, `normals` (none: computed) are one a vertex of the mesh. The result does not depend on the
-    // number of threads.
+    // `positions` and, at level 0, `normals` (none: computed) are one a vertex of the mesh. The result does not depend on
+    // the number of threads.
     LimitPoints evaluate(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals, Job& job) const;
 
-    // Numbers at the vertices of the mesh, carried to those of the refined surface as positions are. No weight is negative, so that
-    // no value leaves the range of those it comes from, but for rounding.
+    // Numbers at the vertices of the mesh, carried to those of the refined surface as positions are. No weight is negative,
+    // so that no value leaves the range of those it comes from, but for rounding.
     std::vector<float> interpolate(std::span<const float> values, Job& job) const;
 
     // Memory held, without the topology.

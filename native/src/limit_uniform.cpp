@@ -106,7 +106,8 @@ public:
         const bool together = std::equal(points.begin(), points.end(), first.begin(), first.end(),
                                          [](const auto& a, const auto& b) { return a.index == b.index; });
         for (std::size_t i = 0; i < points.size(); ++i) {
-            rows_.add(points[i].index, {points[i].weight, together ? first[i].weight : 0.0f, together ? second[i].weight : 0.0f});
+            const glm::vec2 tangents = together ? glm::vec2(first[i].weight, second[i].weight) : glm::vec2(0.0f);
+            rows_.add(points[i].index, {points[i].weight, tangents.x, tangents.y});
         }
         for (std::size_t i = 0; !together && i < first.size(); ++i) {
             if (first[i].weight != 0.0f || second[i].weight != 0.0f) {
@@ -253,7 +254,9 @@ bool has_one_plane(const Far::TopologyRefiner& refiner, const Far::TopologyLevel
     if (level.GetVertexRule(vertex) == Sdc::Crease::RULE_SMOOTH) {
         return true;
     }
-    const auto stays_sharp = [&](float left) { return left > 0.0f && left + static_cast<float>(refiner.GetMaxLevel()) > sharp_levels; };
+    const auto stays_sharp = [&](float left) {
+        return left > 0.0f && left + static_cast<float>(refiner.GetMaxLevel()) > sharp_levels;
+    };
     if (stays_sharp(level.GetVertexSharpness(vertex))) {
         return false;
     }
@@ -273,7 +276,10 @@ public:
         LimitFrames frames = apply_masks(masks_, positions, job);
         return {std::move(frames.positions), {}, std::move(frames.tangents)};
     }
-    std::vector<float> interpolate(std::span<const float> values, Job& job) const override { return apply_masks(masks_, values, job); }
+    std::vector<float> interpolate(std::span<const float> values, Job& job) const override
+    {
+        return apply_masks(masks_, values, job);
+    }
     std::size_t bytes() const override { return masks_.bytes(); }
 
 private:

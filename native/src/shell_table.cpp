@@ -25,8 +25,8 @@ constexpr std::array<PrismIndices, 8> hulls = [] {
         hull = {0, 2, 1, 3, 4, 5};
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t j = (i + 1) % 3;
-            const std::array<std::uint32_t, 6> fin = (rising >> i & 1) != 0 ? std::array<std::uint32_t, 6>{i, j, j + 3, i, j + 3, i + 3}
-                                                                            : std::array<std::uint32_t, 6>{i, j, i + 3, j, j + 3, i + 3};
+            using Fin = std::array<std::uint32_t, 6>;
+            const Fin fin = (rising >> i & 1) != 0 ? Fin{i, j, j + 3, i, j + 3, i + 3} : Fin{i, j, i + 3, j, j + 3, i + 3};
             for (std::uint32_t k = 0; k < 6; ++k) {
                 hull[6 + 6 * i + k] = fin[k];
             }
@@ -72,8 +72,8 @@ void order_stores()
 #endif
 }
 
-// Writes 16 bytes of a table that is larger than any cache and is not read again here: without first reading what was there, where
-// the processor can. Tables and their rows begin at multiples of 16 bytes.
+// Writes 16 bytes of a table that is larger than any cache and is not read again here: without first reading what was there,
+// where the processor can. Tables and their rows begin at multiples of 16 bytes.
 template <typename Quad>
 void store(void* place, const Quad& quad)
 {

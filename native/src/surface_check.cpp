@@ -25,7 +25,8 @@ void check_finite(std::span<const glm::vec3> positions)
 void check_normals(std::span<const glm::vec3> normals, std::size_t vertices)
 {
     if (!normals.empty() && normals.size() != vertices) {
-        throw InvalidArgument("the surface has " + std::to_string(normals.size()) + " normals for " + std::to_string(vertices) +
+        throw InvalidArgument("the surface has " + std::to_string(normals.size()) + " normals for " +
+                              std::to_string(vertices) +
                               " vertices; give one a vertex");
     }
     for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -39,7 +40,8 @@ void check_normals(std::span<const glm::vec3> normals, std::size_t vertices)
 void check_sharpness(float sharpness, const std::string& what)
 {
     if (!(sharpness >= 0.0f) || !std::isfinite(sharpness)) {
-        throw InvalidArgument("the sharpness of " + what + " is " + std::to_string(sharpness) + "; give 0 (smooth) to 10 (sharp)");
+        throw InvalidArgument("the sharpness of " + what + " is " + std::to_string(sharpness) +
+                              "; give 0 (smooth) to 10 (sharp)");
     }
 }
 
@@ -80,9 +82,11 @@ void check_refinement(const Refinement& refinement)
     if (refinement.levels < 0 || refinement.levels > 8) {
         throw InvalidArgument("levels is " + std::to_string(refinement.levels) + "; give 0 to 8");
     }
-    for (const auto& [name, length] : {std::pair("edge_length", refinement.edge_length), {"edge_pixels", refinement.edge_pixels}}) {
+    for (const auto& [name, length] : {std::pair("edge_length", refinement.edge_length),
+        {"edge_pixels", refinement.edge_pixels}}) {
         if (!(length >= 0.0f) || !std::isfinite(length)) {
-            throw InvalidArgument(std::string(name) + " is " + std::to_string(length) + "; give a positive length, or 0 for none");
+            throw InvalidArgument(std::string(name) + " is " + std::to_string(length) +
+                                  "; give a positive length, or 0 for none");
         }
     }
     if (refinement.edge_pixels > 0.0f) {
@@ -104,7 +108,8 @@ void check_prism_count(const Surface& surface, const ShellOptions& options)
     for (const std::int32_t size : surface.face_sizes) {
         const bool triangles = options.refinement.scheme == Scheme::loop || options.refinement.levels == 0;
         const std::int64_t parts = options.refinement.levels > 0 && !triangles ? 2 * std::int64_t(size) : size - 2;
-        const int doublings = options.refinement.levels > 0 && !triangles ? 2 * (options.refinement.levels - 1) : 2 * options.refinement.levels;
+        const int doublings = options.refinement.levels > 0 && !triangles
+            ? 2 * (options.refinement.levels - 1) : 2 * options.refinement.levels;
         prisms += parts << doublings;
         if (prisms > most_prisms) {
             throw InvalidArgument("the shell would have more than " + std::to_string(most_prisms) +
@@ -151,12 +156,14 @@ void check_surface(const Surface& surface, const ShellOptions& options)
     }
     for (std::size_t i = 0; i < corners; ++i) {
         if (!std::isfinite(surface.uvs[i].x) || !std::isfinite(surface.uvs[i].y)) {
-            throw InvalidArgument("the UV of corner " + std::to_string(i) + " of the surface is not finite; unwrap it again");
+            throw InvalidArgument("the UV of corner " + std::to_string(i) +
+                                  " of the surface is not finite; unwrap it again");
         }
     }
     check_normals(surface.normals, surface.positions.size());
     check_creases(surface);
-    if (options.refinement.edge_length == 0.0f && options.refinement.edge_pixels == 0.0f) {  // else counted when edges are known
+    if (options.refinement.edge_length == 0.0f &&
+        options.refinement.edge_pixels == 0.0f) {  // else counted when edges are known
         check_prism_count(surface, options);
     }
 }
@@ -165,7 +172,8 @@ void check_pose(const Pose& pose, std::size_t vertices)
 {
     if (pose.positions.size() != vertices) {
         throw InvalidArgument("the shell was built over " + std::to_string(vertices) + " vertices, but there are " +
-                              std::to_string(pose.positions.size()) + " positions; build it again where vertices come or go");
+                              std::to_string(pose.positions.size()) +
+                                  " positions; build it again where vertices come or go");
     }
     check_finite(pose.positions);
     check_normals(pose.normals, vertices);

@@ -122,7 +122,8 @@ TEST(AdaptiveSurface, ThreadsDoNotMatter)
 
 TEST(AdaptiveSurface, IslandsShareUvsAcrossTheirOwnEdgesOnly)
 {
-    // A torus has one seam each way: unrolled, its UVs are a grid with one more row and column of points than its vertices have.
+    // A torus has one seam each way: unrolled, its UVs are a grid with one more row and column of points than its vertices
+    // have.
     const RefinedSurface surface = refined(torus(1.0f, 0.4f, 6, 5, 1.0f, 1.0f).surface(), to_length(100.0f));
     EXPECT_EQ(surface.positions.size(), 30u);
     EXPECT_EQ(surface.uvs.size(), 42u);
@@ -135,7 +136,8 @@ TEST(AdaptiveSurface, IslandsShareUvsAcrossTheirOwnEdgesOnly)
 TEST(AdaptiveSurface, MoreThanMayBeIsRefused)
 {
     const SurfaceMesh mesh = flat_grid(40, 40, 1.0f, 1.0f);
-    expect_refusal<InvalidArgument>([&] { shell_of(mesh.surface(), to_length(1e-5f, 8)); }, {"4194304 prisms", "longer edges"});
+    expect_refusal<InvalidArgument>([&] { shell_of(mesh.surface(), to_length(1e-5f, 8)); },
+                                    {"4194304 prisms", "longer edges"});
 }
 
 TEST(AdaptiveSurface, LengthsThatAreNone)

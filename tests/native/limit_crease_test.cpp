@@ -26,7 +26,8 @@ TEST(LimitCrease, ACubeOfInfinitelySharpEdgesStaysACube)
         for (std::size_t i = 0; i < surface.positions.size(); ++i) {
             const glm::vec3 p = surface.positions[i];
             ASSERT_LT(distance_to_cube(p), rounding);
-            // Sharp edges are cubic B-splines between corners that three sharp edges hold: straight. The normal there is even.
+            // Sharp edges are cubic B-splines between corners that three sharp edges hold: straight. The normal there is
+            // even.
             const glm::vec3 on = glm::vec3(glm::greaterThan(glm::abs(p), glm::vec3(1.0f - rounding)));
             const glm::vec3 expected = glm::normalize(glm::sign(p) * on);
             EXPECT_LT(glm::length(surface.normals[i] - expected), 64 * rounding) << p.x << " " << p.y << " " << p.z;
@@ -168,10 +169,12 @@ CreasedMesh unrolled(const SurfaceMesh& mesh)
     return flat;
 }
 
-void expect_uvs(const SurfaceMesh& mesh, UvRule rule, const CreasedMesh& expected, Boundary boundary, Scheme scheme = Scheme::catmark)
+void expect_uvs(const SurfaceMesh& mesh, UvRule rule, const CreasedMesh& expected, Boundary boundary,
+                Scheme scheme = Scheme::catmark)
 {
     for (const bool adaptive : {false, true}) {
-        Refinement refinement = adaptive ? to_length(0.01f, 2) : to_level(2);  // at the cap everywhere: the same places in both
+        // at the cap everywhere: the same places in both
+        Refinement refinement = adaptive ? to_length(0.01f, 2) : to_level(2);
         refinement.uv_rule = rule;
         refinement.boundary = boundary;  // corners that positions keep are kept in UVs too
         const RefinedSurface surface = refined(mesh.surface(), refinement);
@@ -183,7 +186,8 @@ void expect_uvs(const SurfaceMesh& mesh, UvRule rule, const CreasedMesh& expecte
         ASSERT_EQ(surface.corners, truth.corners);
         for (std::size_t i = 0; i < surface.corners.size(); ++i) {
             const glm::vec2 uv = surface.uvs[surface.uv_corners[i]];
-            ASSERT_LT(glm::length(uv - glm::vec2(truth.positions[truth.corners[i]])), 4 * rounding) << (adaptive ? "adaptive" : "uniform") << ", rule " << static_cast<int>(rule);
+            ASSERT_LT(glm::length(uv - glm::vec2(truth.positions[truth.corners[i]])), 4 * rounding)
+                << (adaptive ? "adaptive" : "uniform") << ", rule " << static_cast<int>(rule);
         }
     }
 }
@@ -221,7 +225,8 @@ bool keeps_middle(std::initializer_list<int> islands, UvRule rule)
     refinement.uv_rule = rule;
     const RefinedSurface surface = refined(mesh.surface(), refinement);
     const glm::vec2 middle(1.3f + 10.0f * static_cast<float>(island[3]), 1.2f);
-    return std::any_of(surface.uvs.begin(), surface.uvs.end(), [&](const glm::vec2& uv) { return glm::length(uv - middle) < 1e-5f; });
+    return std::any_of(surface.uvs.begin(), surface.uvs.end(),
+                       [&](const glm::vec2& uv) { return glm::length(uv - middle) < 1e-5f; });
 }
 
 TEST(UvRules, JunctionsAndConcaveCornersOfIslands)

@@ -13,8 +13,8 @@
 
 namespace mesoshell {
 
-// Refines adaptively around what is irregular, `isolation` levels deep, and evaluates bicubic patches and Gregory patches. Exact at
-// regular places; near extraordinary points an approximation that a deeper isolation improves.
+// Refines adaptively around what is irregular, `isolation` levels deep, and evaluates bicubic patches and Gregory patches.
+// Exact at regular places; near extraordinary points an approximation that a deeper isolation improves.
 class LimitOracle {
 public:
     struct Frame {

@@ -1,5 +1,5 @@
-// Refined surfaces against OpenSubdiv's patch tables, another path to the same limit: every quad has the whole tile and UVs are
-// linear, so that a corner's UV is its place on its face.
+// Refined surfaces against OpenSubdiv's patch tables, another path to the same limit: every quad has the whole tile and UVs
+// are linear, so that a corner's UV is its place on its face.
 #include <numbers>
 
 #include "check.h"
@@ -44,7 +44,8 @@ SurfaceMesh with_whole_tiles(SurfaceMesh mesh)
 std::vector<CreasedMesh> cages()
 {
     std::vector<CreasedMesh> all;
-    for (const SurfaceMesh& mesh : {cube(), star(3), star(5), star(7), flat_grid(3, 2, 1.0f, 1.0f), torus(1.0f, 0.4f, 5, 4, 1.0f, 1.0f)}) {
+    for (const SurfaceMesh& mesh : {cube(), star(3), star(5), star(7), flat_grid(3, 2, 1.0f, 1.0f),
+        torus(1.0f, 0.4f, 5, 4, 1.0f, 1.0f)}) {
         all.emplace_back(with_whole_tiles(mesh));
         // The same with an infinitely sharp edge, and with a sharp corner.
         all.push_back(all.back());
@@ -97,7 +98,8 @@ void expect_limit(const CreasedMesh& mesh, Refinement refinement, float toleranc
             const bool has_normal = glm::length(glm::cross(truth.along_u, truth.along_v)) > 0.02f * sides;
             if (has_normal && mesh.crease_edges.empty() && mesh.corner_vertices.empty()) {
                 ASSERT_LT(glm::length(surface.normals[vertex] - normal), angle)
-                    << "level " << refinement.levels << ", boundary " << static_cast<int>(refinement.boundary) << ", face " << surface.faces[face] << " at " << place.x << ", " << place.y;
+                    << "level " << refinement.levels << ", boundary " << static_cast<int>(refinement.boundary)
+                        << ", face " << surface.faces[face] << " at " << place.x << ", " << place.y;
             }
         }
     }

@@ -15,7 +15,8 @@ std::vector<Refinement> refinements()
     Refinement rounded = to_level(2);
     rounded.boundary = Boundary::edges;
     rounded.uv_rule = UvRule::smooth;
-    return {to_level(0), to_level(1), rounded, to_level(2, Scheme::bilinear), to_level(1, Scheme::loop), to_length(0.3f), to_length(0.05f, 2)};
+    return {to_level(0), to_level(1), rounded, to_level(2, Scheme::bilinear), to_level(1, Scheme::loop), to_length(0.3f),
+        to_length(0.05f, 2)};
 }
 
 void expect_finite(const Shell& shell)
@@ -23,7 +24,8 @@ void expect_finite(const Shell& shell)
     ASSERT_GT(shell.prisms.size(), 0u);
     for (const PrismTexels& prism : shell.prisms) {
         for (const glm::vec4& texel : prism) {
-            ASSERT_TRUE(std::isfinite(texel.x) && std::isfinite(texel.y) && std::isfinite(texel.z) && std::isfinite(texel.w));
+            ASSERT_TRUE(std::isfinite(texel.x) && std::isfinite(texel.y) && std::isfinite(texel.z) &&
+                        std::isfinite(texel.w));
         }
     }
     for (const glm::uvec3& triangle : shell.topology->triangles) {
@@ -45,7 +47,8 @@ int accepted(const CreasedMesh& mesh)
             expect_finite(update_shell(shell, {mesh.positions, mesh.normals, {}}));
             ++count;
         } catch (const std::exception& refusal) {
-            const bool is_sentence = dynamic_cast<const Error*>(&refusal) != nullptr || dynamic_cast<const InvalidArgument*>(&refusal) != nullptr;
+            const bool is_sentence = dynamic_cast<const Error*>(&refusal) != nullptr ||
+                dynamic_cast<const InvalidArgument*>(&refusal) != nullptr;
             EXPECT_TRUE(is_sentence) << refusal.what();
         }
     }
@@ -194,9 +197,11 @@ TEST(NastySurface, CreasesAndCornersOnAllOfThem)
         SurfaceMesh book = flat_grid(2, 1, 2.0f, 1.0f);
         book.positions.insert(book.positions.end(), {{1, 0, 1}, {1, 1, 1}});
         add_face(book, {1, 6, 7, 4});
-        for (CreasedMesh mesh : {CreasedMesh(cube()), CreasedMesh(with_uvs(book)), CreasedMesh(cone(40)), CreasedMesh(octahedron())}) {
+        for (CreasedMesh mesh : {CreasedMesh(cube()), CreasedMesh(with_uvs(book)), CreasedMesh(cone(40)),
+            CreasedMesh(octahedron())}) {
             const int plain = accepted(mesh);
-            const bool quads = std::all_of(mesh.face_sizes.begin(), mesh.face_sizes.end(), [](int size) { return size == 4; });
+            const bool quads = std::all_of(mesh.face_sizes.begin(), mesh.face_sizes.end(), [](int size) { return size == 4;
+                });
             mesh.crease_all(sharpness);
             mesh.corner(0, sharpness);
             // Around triangles so many creases are refused where refinement is adaptive.

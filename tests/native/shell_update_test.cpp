@@ -114,7 +114,8 @@ TEST(ShellUpdate, ThreadsDoNotMatter)
         positions[0] *= 2.0f;
         Job one(1);
         Job two(2);
-        EXPECT_EQ(update_shell(shell, {positions, {}, {}}, one).prisms, update_shell(shell, {positions, {}, {}}, two).prisms);
+        EXPECT_EQ(update_shell(shell, {positions, {}, {}}, one).prisms, update_shell(shell, {positions, {}, {}},
+                                                                                     two).prisms);
     }
 }
 

@@ -1,5 +1,5 @@
-// Memory that goes from one generation of arrays to the next: an animated shell has arrays of the same sizes every frame, and
-// mapping and clearing their pages anew would cost more than computing them.
+// Memory that goes from one generation of arrays to the next: an animated shell has arrays of the same sizes every frame,
+// and mapping and clearing their pages anew would cost more than computing them.
 #pragma once
 
 #include <map>

@@ -53,7 +53,8 @@ using PrismIndices = std::array<std::uint32_t, 24>;
 // What stays while a surface moves: which vertices and which UVs the prisms have.
 struct ShellTopology {
     std::vector<glm::uvec3> triangles;     // one a prism: vertices, counterclockwise seen from outside
-    std::vector<glm::uvec3> uv_triangles;  // one a prism: entries of `uvs`, two of which are one where a vertex has equal UVs
+    // one a prism: entries of `uvs`, two of which are one where a vertex has equal UVs
+    std::vector<glm::uvec3> uv_triangles;
     std::vector<glm::vec2> uvs;            // tiles, at the base
     std::vector<std::int32_t> faces;       // one a prism: the face of the surface it comes from
 };
@@ -68,8 +69,8 @@ struct Shell {
     std::vector<glm::vec3> positions;  // on the surface, object space
     std::vector<glm::vec3> directors;  // unit length; where no prism has the vertex, the surface's normal or zero
     std::vector<float> thickness;      // object units, from base to top along the director
-    // Two directions in the limit surface's tangent plane, of any length; empty at level 0, where there is no limit. Where the
-    // surface has several tangent planes, as on a crease, two unit vectors perpendicular to its normal.
+    // Two directions in the limit surface's tangent plane, of any length; empty at level 0, where there is no limit. Where
+    // the surface has several tangent planes, as on a crease, two unit vectors perpendicular to its normal.
     std::vector<glm::mat2x3> tangents;
     std::vector<glm::vec2> top_uvs;    // one an entry of topology->uvs; empty where they are those of the base
     // The base lies at position + shift * thickness * director, the top one thickness above it: 0 outward, -1 inward.
@@ -94,10 +95,11 @@ struct Shell {
 // Prisms of one shell, at most: what the draw program's prism table holds.
 constexpr std::int64_t most_prisms = std::int64_t(1) << 22;
 
-// Limit positions and normals where levels > 0, the mesh's own vertices and normals at level 0.
+// Limit positions and normals where the surface is refined, the mesh's own vertices and normals at level 0.
 // Throws InvalidArgument for values that are not finite, indices or sizes out of range, missing UVs, a thickness that is not
 // positive, no covered face, other options out of range or of a wrong count, more prisms than most_prisms; Error for a mesh that
-// cannot be subdivided, a face of more than four corners at level 0, or a thickness of 0 everywhere.
+// cannot be subdivided, a face of more than four corners at level 0, a thickness of 0 everywhere, or, where refinement is
+// adaptive, more than 256 faces around a vertex or corners around a face, or creases crowded around triangles.
 Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job);
 inline Shell build_shell(const Surface& surface, const ShellOptions& options)
 {
@@ -112,8 +114,8 @@ struct Pose {
     std::span<const float> thickness_factors;  // one a vertex, 0 to 1; empty: the thickness stays
 };
 
-// The same shell over the same surface elsewhere: topology, UVs and options stay, and so do the diagonals of quads and the choice
-// of faces that have an area. Positions, directors and tangents are, bit by bit, those of a shell built there. Throws
+// The same shell over the same surface elsewhere: topology, UVs and options stay, and so do the diagonals of quads and the
+// choice of faces that have an area. Positions, directors and tangents are, bit by bit, those of a shell built there. Throws
 // InvalidArgument for counts that do not fit and values that are not finite; Error where a vertex has no normal.
 Shell update_shell(const Shell& shell, const Pose& pose, Job& job);
 inline Shell update_shell(const Shell& shell, const Pose& pose)
