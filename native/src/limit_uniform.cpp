@@ -1,4 +1,5 @@
 // Uniform refinement: every face split alike, level by level, and what OpenSubdiv's limit masks say of the last level.
+#include "crowded.h"
 #include "limit_exact.h"
 #include "limit_masks.h"
 #include "limit_patches.h"
@@ -212,7 +213,8 @@ std::vector<glm::vec2> refined_uvs(const Far::TopologyRefiner& refiner, const st
     return refined;
 }
 
-RefinedTopology last_level(const Far::TopologyRefiner& refiner)
+// Without the faces that come from those of the mesh from `most` on.
+RefinedTopology last_level(const Far::TopologyRefiner& refiner, std::size_t most)
 {
     RefinedTopology topology;
     std::vector<std::int32_t> origins(static_cast<std::size_t>(refiner.GetLevel(0).GetNumFaces()));
@@ -227,11 +229,14 @@ RefinedTopology last_level(const Far::TopologyRefiner& refiner)
         }
         origins = topology.faces;
     }
+    // Faces keep the order of those they come from.
+    topology.faces.erase(std::lower_bound(topology.faces.begin(), topology.faces.end(), static_cast<std::int32_t>(most)),
+                         topology.faces.end());
     const Far::TopologyLevel& last = refiner.GetLevel(refiner.GetMaxLevel());
     topology.face_sizes.reserve(topology.faces.size());
     topology.corners.reserve(static_cast<std::size_t>(last.GetNumFaceVertices()));
     topology.uv_corners.reserve(static_cast<std::size_t>(last.GetNumFaceVertices()));
-    for (int face = 0; face < last.GetNumFaces(); ++face) {
+    for (int face = 0; face < static_cast<int>(topology.faces.size()); ++face) {
         const Far::ConstIndexArray vertices = last.GetFaceVertices(face);
         const Far::ConstIndexArray values = last.GetFaceFVarValues(face, 0);
         topology.face_sizes.push_back(vertices.size());
@@ -273,33 +278,58 @@ public:
 
     LimitPoints evaluate(std::span<const glm::vec3> positions, Job& job) const override
     {
-        LimitFrames frames = apply_masks(masks_, positions, job);
+        std::vector<glm::vec3> with_fan;
+        LimitFrames frames = apply_masks(masks_, filled(positions, with_fan), job);
         return {std::move(frames.positions), {}, std::move(frames.tangents)};
     }
     std::vector<float> interpolate(std::span<const float> values, Job& job) const override
     {
-        return apply_masks(masks_, values, job);
+        std::vector<float> with_fan;
+        return apply_masks(masks_, filled(values, with_fan), job);
     }
     std::size_t bytes() const override { return masks_.bytes(); }
 
 private:
+    // The vertices of a fan beside the mesh (crowded.h) may be anywhere.
+    template <typename Value>
+    std::span<const Value> filled(std::span<const Value> values, std::vector<Value>& with_fan) const
+    {
+        if (values.size() == masks_.vertices) {
+            return values;
+        }
+        with_fan.assign(values.begin(), values.end());
+        with_fan.resize(masks_.vertices, Value(0.0f));
+        return with_fan;
+    }
+
     LimitMasks masks_;
 };
+
+std::unique_ptr<Far::TopologyRefiner> refined_to_level(const Surface& surface, const UvTopology& uvs, const Refinement& refinement)
+{
+    std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(surface, uvs, refinement);
+    Far::TopologyRefiner::UniformOptions uniform(refinement.levels);
+    uniform.fullTopologyInLastLevel = true;  // limit masks ask the last level for its neighborhoods
+    uniform.orderVerticesFromFacesFirst = true;
+    refiner->RefineUniform(uniform);
+    return refiner;
+}
 
 }  // namespace
 
 Refined refine_uniformly(const Surface& surface, const Refinement& refinement, Job& job)
 {
-    const UvTopology uvs = share_uvs(surface);
-    const std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(surface, uvs, refinement);
-    Far::TopologyRefiner::UniformOptions uniform(refinement.levels);
-    uniform.fullTopologyInLastLevel = true;  // limit masks ask the last level for its neighborhoods
-    uniform.orderVerticesFromFacesFirst = true;
-    refiner->RefineUniform(uniform);
+    UvTopology uvs = share_uvs(surface);
+    std::unique_ptr<Far::TopologyRefiner> refiner = refined_to_level(surface, uvs, refinement);
+    if (const int valence = missing_valence(*refiner); valence > 0) {
+        const SurfaceWithFan with_fan(surface, valence);
+        uvs = share_uvs(with_fan.surface());
+        refiner = refined_to_level(with_fan.surface(), uvs, refinement);
+    }
     job.throw_if_cancelled();
 
     Refined refined;
-    refined.topology = last_level(*refiner);
+    refined.topology = last_level(*refiner, surface.face_sizes.size());
     refined.topology.uvs = refined_uvs(*refiner, uvs.values);
     const Far::TopologyLevel& last = refiner->GetLevel(refinement.levels);
     refined.sharp.resize(static_cast<std::size_t>(last.GetNumVertices()));

@@ -41,7 +41,7 @@ void check_normals(const ShellTopology& topology, const std::vector<glm::vec3>& 
         const glm::uvec3& triangle = topology.triangles[first_without];
         const int i = normals[triangle[0]] == glm::vec3(0.0f) ? 0 : normals[triangle[1]] == glm::vec3(0.0f) ? 1 : 2;
         throw Error("vertex " + std::to_string(triangle[i]) +
-                    " of the surface has no normal; remove zero-area faces, or faces folded onto each other");
+                    " of the surface has no normal; remove zero-area faces, or split faces whose normals cancel there");
     }
 }
 

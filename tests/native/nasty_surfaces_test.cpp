@@ -191,6 +191,49 @@ TEST(NastySurface, FacesOf65ThousandCorners)
     expect_finite(shell_of(cone(20'000).surface(), to_level(1)));
 }
 
+// Pages of two quads that are all bound at one edge, the z axis from 0 to 1.
+SurfaceMesh book_of(int pages)
+{
+    SurfaceMesh mesh;
+    mesh.positions = {{0, 0, 0}, {0, 0, 1}};
+    for (int page = 0; page < pages; ++page) {
+        const double angle = 0.75 * std::numbers::pi * page / pages;
+        const auto first = static_cast<std::int32_t>(mesh.positions.size());
+        for (const double radius : {1.0, 2.0}) {
+            mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.0);
+            mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 1.0);
+        }
+        add_face(mesh, {0, first, first + 1, 1});
+        add_face(mesh, {first, first + 2, first + 3, first + 1});
+    }
+    return with_uvs(mesh);
+}
+
+TEST(NastySurface, BooksOfManyPages)
+{
+    for (const int pages : {3, 4, 5, 12, 60}) {
+        const SurfaceMesh mesh = book_of(pages);
+        for (const int levels : {1, 2, 3}) {
+            for (const Scheme scheme : {Scheme::catmark, Scheme::bilinear}) {
+                Refinement refinement = to_level(levels);
+                refinement.scheme = scheme;
+                const Shell shell = shell_of(mesh.surface(), refinement);
+                expect_finite(shell);
+                ASSERT_EQ(shell.prisms.size(), 4u * pages << (2 * levels));
+                for (std::size_t p = 0; p < shell.prisms.size(); ++p) {
+                    // A page stays in its plane, whatever the others do.
+                    const double angle = 0.75 * std::numbers::pi * (shell.topology->faces[p] / 2) / pages;
+                    for (int i = 0; i < 3; ++i) {
+                        const glm::vec3 base(shell.prisms[p][i]);
+                        ASSERT_NEAR(base.y * std::cos(angle) - base.x * std::sin(angle), 0.0, 1e-5) << pages;
+                        ASSERT_GT(base.x * std::cos(angle) + base.y * std::sin(angle), -1e-5) << pages;
+                    }
+                }
+            }
+        }
+    }
+}
+
 TEST(NastySurface, CreasesAndCornersOnAllOfThem)
 {
     for (const float sharpness : {0.3f, 2.5f, 7.0f, 10.0f}) {
