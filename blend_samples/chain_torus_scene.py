@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from mathutils import Euler, Vector
 
-from scene_parts import add_object, make_material, mesh_from_arrays, set_tile_settings, use_nodes
+from scene_parts import add_object, look_through_camera, make_material, mesh_from_arrays, set_tile_settings, use_nodes
 from tiles import chain
 
 TORUS_MAJOR, TORUS_MINOR = 1.0, 0.42  # scene units (meters)
@@ -91,11 +91,7 @@ def set_scene():
     scene.world.color = (0.05, 0.05, 0.05)
     background = next(node for node in use_nodes(scene.world) if node.type == "BACKGROUND")
     background.inputs["Color"].default_value = (0.05, 0.05, 0.05, 1.0)
-    for space in (space for screen in bpy.data.screens for area in screen.areas for space in area.spaces):
-        if space.type == "VIEW_3D":
-            space.region_3d.view_perspective = "CAMERA"
-        elif space.type == "FILE_BROWSER" and space.params:
-            space.params.directory = b"//"  # else the file would carry the home folder of whoever made it
+    look_through_camera()
 
 
 def build(detail):

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from scene_parts import add_object, make_material, mesh_from_arrays, set_tile_settings, use_nodes
+from scene_parts import add_object, look_through_camera, make_material, mesh_from_arrays, set_tile_settings, use_nodes
 from tiles import squama
 
 SIDES = 8
@@ -223,3 +223,4 @@ def build(detail):
     add_tile(detail)
     add_lizard()
     add_light_and_camera()
+    look_through_camera()

@@ -71,6 +71,15 @@ def set_tile_settings(obj, period, height):
     obj["mesoshell_height"] = height
 
 
+def look_through_camera():
+    """The 3D views look through the scene's camera; file browsers forget the home folder of whoever makes the file."""
+    for space in (space for screen in bpy.data.screens for area in screen.areas for space in area.spaces):
+        if space.type == "VIEW_3D":
+            space.region_3d.view_perspective = "CAMERA"
+        elif space.type == "FILE_BROWSER" and space.params:
+            space.params.directory = b"//"
+
+
 def save(path):
     """Saves compressed, whole or not at all, without a backup beside it and without this machine's folders inside."""
     partial = path.with_suffix(".part.blend")

@@ -111,16 +111,14 @@ def test_creased_cages_reach_the_limit_that_blender_does(put, fresh, edges, vert
 @pytest.mark.parametrize("edges, vertices", [({0: 0.2, 3: 0.5, 4: 0.7, 7: 0.6}, {}), ({}, {1: 0.3, 6: 0.6}),
                                              ({2: 0.6, 9: 0.35}, {3: 0.7})], ids=["edges", "corners", "both"])
 def test_semi_sharp_creases_are_as_sharp_as_blenders(put, fresh, edges, vertices):
-    """Sharpness is 10 times the crease's square, up to 4.9 here; refined beyond that, our surface has Blender's vertices."""
+    """Sharpness is 10 times the crease's square, up to 4.9 here: at level 2 much of it is left."""
     cube = make_cube()
     crease(cube, edges, vertices)
     subdivide(cube, 2)
     theirs = evaluated_points(cube)[:, :3]
     smooth = np.asarray(put(cube, surface='CAGE', levels=5, boundary="edges", use_creases=False).positions)
     assert farthest(theirs, smooth) > 0.01
-    cube.modifiers[0].levels = 6
-    shell = put(cube, surface='CAGE', subdivision='MODIFIER')
-    assert farthest(theirs, np.asarray(shell.positions)) < 1e-4
+    check_same_points(theirs, np.asarray(put(cube, surface='CAGE', subdivision='MODIFIER').positions), 1e-4)
 
 
 def test_creases_can_be_left_out(put, fresh):
