@@ -87,7 +87,7 @@ def turned_about_x(angle):
 
 
 def add_leg(cage, root, stations):
-    """A tube of four sides from a face of the body, ending in a foot."""
+    """A tube of four sides from a face of the body, ending in a foot; v falls toward it, where scales point."""
     start = np.array([cage.positions[corner] for corner in root])
     middle = start.mean(axis=0)
     side = np.sign(middle[1])
@@ -105,7 +105,7 @@ def add_leg(cage, root, stations):
         for k in range(4):
             after = (k + 1) % 4
             cage.quad((before[k], before[after], ring[after], ring[k]),
-                      [(k / 4, v), ((k + 1) / 4, v), ((k + 1) / 4, v + length), (k / 4, v + length)])
+                      [(-k / 4, -v), (-(k + 1) / 4, -v), (-(k + 1) / 4, -v - length), (-k / 4, -v - length)])
         before, v = ring, v + length
         if last:
             cage.quad(ring, [(0.0, 0.0), (0.25, 0.0), (0.25, 0.25), (0.0, 0.25)])

@@ -20,7 +20,7 @@ os.environ.setdefault("MESOSHELL_NATIVE_PATH", str(ROOT / "build/stage"))
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tools"), str(ROOT / "tests")]
 
 FRAMES = (1, 13, 25, 37)
-SIZE = (1440, 800)  # of which each 2 x 2 pixels become one
+SIZE = (1120, 620)  # of which each 2 x 2 pixels become one
 BACKGROUND = np.array([0.045, 0.047, 0.052])  # linear
 SKIN = np.array([0.20, 0.24, 0.12])
 
