@@ -84,9 +84,11 @@ Shell build_shell(const Surface& surface, const ShellOptions& options, Job& job)
     shell.thickness = rig->thickness;
     shell.shift = options.shift;
     shell.rig = std::move(rig);
-    take_pose(shell, std::move(refined), job);
-    relax_top_uvs(shell, options.relax_steps, job);
-    make_table(shell, job);
+    in_arena(job, [&] {
+        take_pose(shell, std::move(refined), job);
+        relax_top_uvs(shell, options.relax_steps, job);
+        make_table(shell, job);
+    });
     return shell;
 }
 
@@ -99,13 +101,15 @@ Shell update_shell(const Shell& shell, const Pose& pose, Job& job)
     moved.rig = shell.rig;
     moved.shift = shell.shift;
     moved.thickness = rig.thickness;
-    if (!pose.thickness_factors.empty()) {
-        moved.thickness = rig.full_thickness;
-        scale_thickness(moved.thickness, rig.limit.interpolate(pose.thickness_factors, job));
-    }
     moved.top_uvs = shell.top_uvs;  // relaxed once: a pattern that moved with every pose would swim
-    take_pose(moved, rig.limit.evaluate(pose.positions, pose.normals, job), job);
-    make_table(moved, job);
+    in_arena(job, [&] {
+        if (!pose.thickness_factors.empty()) {
+            moved.thickness = rig.full_thickness;
+            scale_thickness(moved.thickness, rig.limit.interpolate(pose.thickness_factors, job));
+        }
+        take_pose(moved, rig.limit.evaluate(pose.positions, pose.normals, job), job);
+        make_table(moved, job);
+    });
     return moved;
 }
 
