@@ -1,5 +1,6 @@
 #include "mesoshell/contour.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>

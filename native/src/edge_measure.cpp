@@ -1,6 +1,7 @@
 #include "edge_measure.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mesoshell {
 

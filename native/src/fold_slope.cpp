@@ -1,5 +1,6 @@
 #include "fold_slope.h"
 
+#include <functional>
 #include <queue>
 #include <utility>
 

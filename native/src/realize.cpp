@@ -1,5 +1,6 @@
 #include "mesoshell/realize.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

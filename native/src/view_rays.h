@@ -1,6 +1,7 @@
 // The ray through the center of every pixel of a view, computed in double precision.
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include <glm/glm.hpp>

@@ -2,6 +2,7 @@
 //
 // Vertices, nodes and periods are multiples of 2^-12 here, so moving them is exact, and so are differences of a vertex
 // and a ray's origin; only the order in which triangles are met may differ. One ulp of a distance below 16 is 2^-20.
+#include <algorithm>
 #include <cmath>
 
 #include "check.h"

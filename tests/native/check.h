@@ -1,6 +1,7 @@
 // What several tests share: refusals that must name their cause, and reproducible random numbers.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <random>

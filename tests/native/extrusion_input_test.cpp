@@ -1,4 +1,5 @@
 // What options of a shell are refused, and that a refusal names what is wrong with them.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

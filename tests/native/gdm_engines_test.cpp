@@ -1,5 +1,6 @@
 // The two engines of a GDM bake share no code past the directions: each is the other's judge, and a loop over all triangles is
 // that of both.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>

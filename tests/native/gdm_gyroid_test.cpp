@@ -1,6 +1,7 @@
 // A bake against a surface that no mesh repeats: the gyroid, sin X cos Y + sin Y cos Z + sin Z cos X = 0 for X = 2 pi x and so on.
 // Its mesh comes from a grid, linear in every tetrahedron; how far that can be from the function is known, so that the baked
 // distance of every ray lies between those to two level sets, which Lipschitz steps bracket without a grid.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -1,4 +1,5 @@
 // Adaptive refinement: without cracks, no finer than asked but for the cap, and the same for every number of threads.
+#include <algorithm>
 #include <cmath>
 #include <set>
 

@@ -1,5 +1,7 @@
 // Refined surfaces against OpenSubdiv's patch tables, another path to the same limit: every quad has the whole tile and UVs
 // are linear, so that a corner's UV is its place on its face.
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "check.h"

@@ -1,4 +1,5 @@
 // A shell that is updated is the shell that would be built.
+#include <algorithm>
 #include <cmath>
 
 #include "check.h"

@@ -1,6 +1,7 @@
 // Which solid a mesh bakes to when its faces are flipped, doubled, missing or in each other.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "check.h"
 #include "mesoshell/bake.h"

@@ -1,4 +1,5 @@
 // Stretch against closed forms, and against quadrature of the map itself.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>

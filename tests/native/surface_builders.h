@@ -1,6 +1,7 @@
 // Surfaces with creases and rules, for tests of refinement.
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
