@@ -25,7 +25,11 @@ class MESOSHELL_OT_remove_shell(bpy.types.Operator):
         if not obj.mesoshell.enabled:
             self.report({'ERROR'}, f'"{obj.name}" has no shell: pick an object that has one')
             return {'CANCELLED'}
-        obj.property_unset("mesoshell")
+        settings = obj.mesoshell
+        # One by one: unset as a whole, Blender frees the group, and a panel that is still open would draw freed memory.
+        for setting in settings.bl_rna.properties:
+            if not setting.is_readonly:
+                settings.property_unset(setting.identifier)
         shell_options.tag_redraw()
         return {'FINISHED'}
 

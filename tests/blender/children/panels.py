@@ -127,7 +127,9 @@ def show_shells(torus):
         setattr(overlays, name, True)
     overlays.measure = "angle"
     show("a shell under all overlays", OF_SHELLS)
-    bpy.context.scene.property_unset("mesoshell_overlays")
+    for name in ("show_prisms", "show_folds", "show_seams", "show_stretch", "measure"):
+        # Not the group as a whole: Blender frees it then, and the panels shown so far stay open and draw it again.
+        overlays.property_unset(name)
 
 
 def until_cancelled(progress):
