@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "mesoshell/realize.h"
 #include "mesoshell/render.h"
+#include "mesoshell/traversal.h"
 #include "run.h"
 
 namespace mesoshell::python {
@@ -32,17 +33,6 @@ ShellParams params_argument(PyObject* object)
     return params;
 }
 
-int traversal_named(const std::string& name)
-{
-    if (name == "gdm") {
-        return 0;
-    }
-    if (name == "sdf") {
-        return 1;
-    }
-    throw InvalidArgument("traversal '" + name + "' does not exist; choose 'gdm' or 'sdf'");
-}
-
 View view_argument(ModuleState& state, PyObject* clip_from_object, PyObject* size)
 {
     View view;
@@ -57,29 +47,34 @@ PyObject* py_render(PyObject* module, PyObject* args, PyObject* kwargs)
     ModuleState& state = state_of_module(module);
     return guarded(state, [&]() -> PyObject* {
         static const char* names[] = {"shell",    "map",     "clip_from_object", "size",
-                                      "traversal", "settings", "threads",          "progress", nullptr};
+                                      "traversal", "settings", "sample",           "threads",  "progress", nullptr};
         PyObject* shell = nullptr;
         PyObject* map = nullptr;
         PyObject* clip_from_object = nullptr;
         PyObject* size = nullptr;
         const char* traversal = "sdf";
         PyObject* settings = Py_None;
+        PyObject* sample = Py_None;
         int threads = 0;
         PyObject* progress = nullptr;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!O!|$OOsOiO:render", const_cast<char**>(names), state.shell_type,
-                                         &shell, state.map_type, &map, &clip_from_object, &size, &traversal, &settings,
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!O!|$OOsOOiO:render", const_cast<char**>(names), state.shell_type,
+                                         &shell, state.map_type, &map, &clip_from_object, &size, &traversal, &settings, &sample,
                                          &threads, &progress)) {
             return nullptr;
+        }
+        if (sample != Py_None && Py_TYPE(sample) != state.sample_type) {
+            throw InvalidArgument("sample is no Sample; pass the tile that the map was baked from");
         }
         require_keywords(kwargs, {"clip_from_object", "size"});
         const View view = view_argument(state, clip_from_object, size);
         ShellParams params = params_argument(settings);
-        params.mode.x = traversal_named(traversal);
+        params.mode.x = static_cast<int>(traversal_named(traversal));
         const auto held_shell = unbox<Shell>(shell);
         const auto held_map = unbox<Map>(map);
+        const auto held_sample = sample == Py_None ? nullptr : unbox<Sample>(sample);
         Job job(threads);
         Rendering picture =
-            run(job, progress, [&] { return render(*held_shell, *held_map, view, params, job); });
+            run(job, progress, [&] { return render(*held_shell, *held_map, view, params, job, held_sample.get()); });
         const Py_ssize_t w = view.size.x;
         const Py_ssize_t h = view.size.y;
         Reference result = checked(PyDict_New());
@@ -186,7 +181,7 @@ PyObject* py_shell_params(PyObject* module, PyObject* args, PyObject* kwargs)
 
 PyMethodDef functions[] = {
     {"render", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_render)), METH_VARARGS | METH_KEYWORDS,
-     "render(shell, map, *, clip_from_object, size, traversal='sdf', settings=None, threads=0, progress=None)\n--\n\n"
+     "render(shell, map, *, clip_from_object, size, traversal='sdf', settings=None, sample=None, threads=0, progress=None)\n--\n\n"
      "A picture by the shader text on the CPU, as a dict of arrays [h, w, ...]; row 0 is the bottom."},
     {"realize", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_realize)), METH_VARARGS | METH_KEYWORDS,
      "realize(shell, sample, *, threads=0, progress=None)\n--\n\n"

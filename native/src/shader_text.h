@@ -1,4 +1,5 @@
-// The shader text of shaders/lib as C++: compiled once, here, in a namespace of its own, over fetches from a map.
+// The shader text of shaders/lib as C++, over fetches from a map. Every file that includes it has the text for itself: GLSL's
+// functions are not inline.
 //
 // GLSL functions take no context, so the map they fetch from is the calling thread's FetchScope.
 #pragma once
@@ -13,8 +14,9 @@
 #include "mesoshell/shell.h"
 
 namespace mesoshell::shader {
+namespace {
 
-inline thread_local const Map* fetched_map = nullptr;
+thread_local const Map* fetched_map = nullptr;
 
 // Sets the map that the calling thread fetches from, for its lifetime.
 class FetchScope {
@@ -50,15 +52,22 @@ inline Bracket clamped_bracket(float node, int count)
     return {low, std::min(low + 1, count - 1), inside - static_cast<float>(low)};
 }
 
-inline float trilinear(const float* values, int nx, int ny, const Bracket& x, const Bracket& y, const Bracket& z)
+// value_at(index) of the array [nz, ny, nx].
+template <typename Values>
+float trilinear_of(const Values& value_at, int nx, int ny, const Bracket& x, const Bracket& y, const Bracket& z)
 {
     const auto row = [&](int iz, int iy) {
-        const float* line = values + (static_cast<std::size_t>(iz) * ny + iy) * nx;
-        return glm::mix(line[x.low], line[x.high], x.share);
+        const std::size_t line = (static_cast<std::size_t>(iz) * ny + iy) * nx;
+        return glm::mix(value_at(line + x.low), value_at(line + x.high), x.share);
     };
     const float low = glm::mix(row(z.low, y.low), row(z.low, y.high), y.share);
     const float high = glm::mix(row(z.high, y.low), row(z.high, y.high), y.share);
     return glm::mix(low, high, z.share);
+}
+
+inline float trilinear(const float* values, int nx, int ny, const Bracket& x, const Bracket& y, const Bracket& z)
+{
+    return trilinear_of([values](std::size_t i) { return values[i]; }, nx, ny, x, y, z);
 }
 
 using namespace glm;  // NOLINT: the shader text speaks GLSL
@@ -110,4 +119,22 @@ inline float fetch_sdf(vec3 node)
                      clamped_bracket(node.z, nodes.z));
 }
 
+inline float fetch_density(vec3 node)
+{
+    const Map& map = *fetched_map;
+    const glm::ivec3& nodes = map.sdf_nodes;
+    const auto density_at = [&map](std::size_t i) {
+        return std::round(255.0f * glm::clamp(0.5f - map.sdf[i] * static_cast<float>(map.sdf_nodes.x), 0.0f, 1.0f)) / 255.0f;
+    };
+    return trilinear_of(density_at, nodes.x, nodes.y, periodic_bracket(node.x, nodes.x), periodic_bracket(node.y, nodes.y),
+                        clamped_bracket(node.z, nodes.z));
+}
+
+inline float fetch_leap(vec3 cell, int bin)
+{
+    const Leaps& leaps = fetched_map->leaps;
+    return leaps.values[leaps.index(bin, glm::ivec3(cell))] * leap_unit;
+}
+
+}  // namespace
 }  // namespace mesoshell::shader

@@ -28,3 +28,14 @@ float fetch_sdf(vec3 node)
     vec3 size = vec3(params.sdf_nodes.x + 1.0f, params.sdf_nodes.y + 1.0f, params.sdf_nodes.z);
     return textureLod(sdf_volume, (node + 0.5f) / size, 0.0f).x;
 }
+
+float fetch_density(vec3 node)
+{
+    vec3 size = vec3(params.sdf_nodes.x + 1.0f, params.sdf_nodes.y + 1.0f, params.sdf_nodes.z);
+    return textureLod(density_volume, (node + 0.5f) / size, 0.0f).x;
+}
+
+float fetch_leap(vec3 cell, int bin)
+{
+    return texelFetch(leap_table, ivec3(int(cell.x), int(cell.y), int(cell.z) + bin * int(params.leap_cells.z)), 0).x;
+}

@@ -12,7 +12,9 @@ struct Tile {
     vec2 gdm_azimuths;   // nphi along the weights, along the eigenmaps; 0 where they have no such axis
     int gdm_groups;      // SVD terms / 4, rounded up
     bool gdm_shares;     // terms sum to shares of the distance to the end of the slab
-    vec3 sdf_nodes;      // nodes of the distance field along u, v, w
+    vec3 sdf_nodes;      // nodes of the distance field and of the density along u, v, w
+    vec3 leap_cells;     // cells of the leap table along u, v, w; 0: there is none
+    int leap_directions; // side of its octahedral map
 };
 
 // The host defines these. Node coordinates: x and y in [0, n], the last node repeating the first; phi in [0, nphi] likewise;
@@ -21,6 +23,10 @@ struct Tile {
 vec4 fetch_gdm_weights(vec3 node, int group);
 vec4 fetch_gdm_eigenmaps(vec3 node, int group);
 float fetch_sdf(vec3 node);
+// The solid's share of the voxel around a node, in [0, 1]: 1/2 - distance / voxel at the nodes, 8 bits.
+float fetch_density(vec3 node);
+// The bound of a cell of the leap table in a bin of directions, tile widths; not filtered.
+float fetch_leap(vec3 cell, int bin);
 
 const float TWO_PI = 6.28318530718f;
 const float PI = 3.14159265359f;
@@ -74,6 +80,13 @@ float lookup_sdf(Tile tile, vec3 pos_texture)
 {
     return fetch_sdf(vec3(fract(pos_texture.x) * tile.sdf_nodes.x, fract(pos_texture.y) * tile.sdf_nodes.y,
                           clamp(pos_texture.z, 0.0f, 1.0f) * (tile.sdf_nodes.z - 1.0f)));
+}
+
+// The solid's share around a point of texture space; its surface is where that is 1/2.
+float lookup_density(Tile tile, vec3 pos_texture)
+{
+    return fetch_density(vec3(fract(pos_texture.x) * tile.sdf_nodes.x, fract(pos_texture.y) * tile.sdf_nodes.y,
+                              clamp(pos_texture.z, 0.0f, 1.0f) * (tile.sdf_nodes.z - 1.0f)));
 }
 
 // Gradient of the distance field in metric texture space, by central differences over one voxel.

@@ -24,7 +24,7 @@ def test_lookup_matches_cpp(gl, native, layout, precision):
     positions, directions = mail_scenes.probe_points(COUNT)
     table = shader_source.shell_interface()
     preamble = table.glsl_preamble("frag").replace("out vec4 frag_color;", "out vec4 probe_result;")
-    preamble += "layout(binding = 4) uniform sampler2D probe_points;\n"
+    preamble += "layout(binding = 6) uniform sampler2D probe_points;\n"
     program = gl.compile_program(vert=VERTEX, frag=preamble + mail_scenes.probe_source(shader_source))
 
     inputs = gl.Inputs(mail_scenes.torus_shell(native), tile_map)

@@ -56,6 +56,20 @@ def sdf_volume(sdf):
     return numpy.ascontiguousarray(numpy.pad(sdf, ((0, 0), (0, 1), (0, 1)), mode="wrap")[..., None])
 
 
+def density_volume(sdf):
+    """R8 [mz, my + 1, mx + 1, 1]: the solid's share of the voxel around each node, in steps of 1/255."""
+    density = numpy.clip(0.5 - sdf_volume(sdf) * numpy.float32(sdf.shape[2]), 0.0, 1.0)
+    return numpy.rint(density * numpy.float32(255.0)) / numpy.float32(255.0)
+
+
+def leap_table(tile_map):
+    """R16F [bins * cz, cy, cx, 1]: the bounds of a map's leap table in tile widths; one texel of 0 where it has none."""
+    if tile_map.leaps is None:
+        return numpy.zeros((1, 1, 1, 1), numpy.float32)
+    bins, cz, cy, cx = tile_map.leaps.shape
+    return (tile_map.leaps.astype(numpy.float32) * numpy.float32(tile_map.leap_unit)).reshape(bins * cz, cy, cx, 1)
+
+
 def hull_corners(prism_count):
     """uint32 [6 * prism_count]: the vertex attribute `corner`."""
     return numpy.arange(6 * prism_count, dtype=numpy.uint32)

@@ -70,6 +70,8 @@ def draw_shell(instance, clip_from_world, lights, *, output="color"):
         shader.uniform_sampler("gdm_weights", tile_map.gdm_weights)
         shader.uniform_sampler("gdm_eigenmaps", tile_map.gdm_eigenmaps)
         shader.uniform_sampler("sdf_volume", tile_map.sdf_volume)
+        shader.uniform_sampler("density_volume", tile_map.density_volume)
+        shader.uniform_sampler("leap_table", tile_map.leap_table)
         shell.hulls.draw(shader)
     finally:
         depth_test, depth_mask, blend = before

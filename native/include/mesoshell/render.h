@@ -11,6 +11,7 @@
 #include "mesoshell/compress.h"
 #include "mesoshell/interface.h"
 #include "mesoshell/job.h"
+#include "mesoshell/sample.h"
 #include "mesoshell/shell.h"
 
 namespace mesoshell {
@@ -41,8 +42,10 @@ struct Rendering {
     std::vector<std::int32_t> fetches;  // texture instructions of the pixel's whole ray
 };
 
-// mode.x of the settings chooses the traversal, mode.z the fins; mode.y is ignored. Throws InvalidArgument; Cancelled.
-Rendering render(const Shell& shell, const Map& map, const View& view, const ShellParams& settings, Job& job);
+// mode.x of the settings chooses the traversal (mesoshell/traversal.h), mode.z the fins; mode.y is ignored. `sample` is the tile
+// itself: `exact` needs it. Throws InvalidArgument; Cancelled.
+Rendering render(const Shell& shell, const Map& map, const View& view, const ShellParams& settings, Job& job,
+                 const Sample* sample = nullptr);
 
 // The shader text's lookup of the compressed GDM: tile widths, one a point. Directions need not be normalized.
 std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_texture, std::span<const glm::vec3> dir_metric);

@@ -1,0 +1,48 @@
+#include "mesoshell/traversal.h"
+
+#include <array>
+
+#include "mesoshell/error.h"
+
+namespace mesoshell {
+namespace {
+
+struct Named {
+    Traversal traversal;
+    std::string_view name;
+};
+
+constexpr std::array<Named, 2> named_traversals{{{Traversal::gdm, "gdm"}, {Traversal::sdf, "sdf"}}};
+
+std::string choices()
+{
+    std::string list;
+    for (std::size_t i = 0; i < named_traversals.size(); ++i) {
+        list += (i == 0 ? "" : i + 1 == named_traversals.size() ? " or " : ", ") + std::string(named_traversals[i].name);
+    }
+    return list;
+}
+
+}  // namespace
+
+Traversal traversal_named(std::string_view name)
+{
+    for (const Named& named : named_traversals) {
+        if (named.name == name) {
+            return named.traversal;
+        }
+    }
+    throw InvalidArgument("traversal '" + std::string(name) + "' does not exist; choose " + choices());
+}
+
+void check_traversal(int traversal)
+{
+    for (const Named& named : named_traversals) {
+        if (static_cast<int>(named.traversal) == traversal) {
+            return;
+        }
+    }
+    throw InvalidArgument("traversal " + std::to_string(traversal) + " does not exist; choose " + choices());
+}
+
+}  // namespace mesoshell
