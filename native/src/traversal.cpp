@@ -12,7 +12,8 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named, 2> named_traversals{{{Traversal::gdm, "gdm"}, {Traversal::sdf, "sdf"}}};
+constexpr std::array<Named, 3> named_traversals{
+    {{Traversal::gdm, "gdm"}, {Traversal::sdf, "sdf"}, {Traversal::exact, "exact"}}};
 
 std::string choices()
 {
