@@ -12,7 +12,12 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named, 2> named_traversals{{{Traversal::gdm, "gdm"}, {Traversal::sdf, "sdf"}}};
+constexpr std::array<Named, 4> named_traversals{{
+    {Traversal::gdm, "gdm"},
+    {Traversal::sdf, "sdf"},
+    {Traversal::march, "march"},
+    {Traversal::slices, "slices"},
+}};
 
 std::string choices()
 {
