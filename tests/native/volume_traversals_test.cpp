@@ -122,6 +122,25 @@ TEST(March, FetchesOneSampleAVoxelWhereItMissesAndOneAtBothEnds)
     EXPECT_EQ(march(map, {{3, 3, 12}, {3, 3, 12}}).fetches, 1);
 }
 
+TEST(March, StepsFollowTheNodesOfEachAxis)
+{
+    Map map;
+    map.height = 0.3f;
+    map.aspect = 2.0f;
+    map.sdf_nodes = glm::ivec3(6, 9, 41);
+    map.sdf.assign(6 * 9 * 41, 1.0f);
+    const shader::FetchScope scope(map);
+    Random random(8);
+    for (int i = 0; i < 500; ++i) {
+        const glm::dvec3 entry = random.in_box({-1, -1, 0}, {2, 2, 1});
+        const glm::dvec3 exit = random.in_box({-1, -1, 0}, {2, 2, 1});
+        const double steps = glm::length((exit - entry) * glm::dvec3(6, 9, 40));
+        const shader::SegmentHit hit = shader::traverse_march(tile_of_map(map), glm::vec3(entry), glm::vec3(exit));
+        ASSERT_FALSE(hit.hit);
+        ASSERT_NEAR(hit.fetches, 1.0 + std::ceil(steps), std::abs(steps - std::round(steps)) < 1e-4 ? 1.0 : 0.0);
+    }
+}
+
 TEST(March, HitsAtTheEntryWhereThatIsSolid)
 {
     const Map map = plane_map(true);
