@@ -12,8 +12,13 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named, 3> named_traversals{
-    {{Traversal::gdm, "gdm"}, {Traversal::sdf, "sdf"}, {Traversal::exact, "exact"}}};
+constexpr std::array<Named, 5> named_traversals{{
+    {Traversal::gdm, "gdm"},
+    {Traversal::sdf, "sdf"},
+    {Traversal::march, "march"},
+    {Traversal::slices, "slices"},
+    {Traversal::exact, "exact"},
+}};
 
 std::string choices()
 {
