@@ -73,11 +73,11 @@ ShellTracer::~ShellTracer() = default;
 ShellTraceHit ShellTracer::State::nearest_exact(const glm::vec3& origin, const glm::vec3& dir, float t_near,
                                                 float t_far) const
 {
+    const ExactRay ray{glm::dvec3(origin), glm::dvec3(dir)};
     ExactHit nearest;
     ShellTraceHit result;
     scene.visit_along(origin, dir, std::max(t_near, 0.0f), [&](std::uint32_t index, float t_before) {
-        const ExactHit hit = exact->nearest(shell.prisms[index], glm::dvec3(origin), glm::dvec3(dir), t_near,
-                                            std::min(t_before, t_far));
+        const ExactHit hit = exact->nearest(shell.prisms[index], ray, t_near, std::min(t_before, t_far));
         const auto t = static_cast<float>(hit.t);
         if (!hit.hit || t >= t_before || t >= t_far) {
             return t_before;
