@@ -6,11 +6,11 @@ import zlib
 import accuracy_sheet as sheet
 import numpy as np
 import pixel_font
-from png import write_png
+from png import write_indexed_png, write_png
 
 
 def read_png(path):
-    """Pixels of a PNG as write_png makes them, by the format's rules: chunks with checksums, lines with a filter each."""
+    """Pixels of a PNG as png.py makes them, by the format's rules: chunks with checksums, lines with a filter each."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     place, parts = 8, {}
@@ -20,17 +20,29 @@ def read_png(path):
         assert struct.unpack(">I", data[place + 8 + length:place + 12 + length])[0] == zlib.crc32(kind + body)
         parts[kind] = body
         place += 12 + length
+    assert list(parts)[0] == b"IHDR" and list(parts)[-1] == b"IEND" and parts[b"IEND"] == b""
     width, height, bits, color, *rest = struct.unpack(">IIBBBBB", parts[b"IHDR"])
-    assert (bits, color, rest) == (8, 2, [0, 0, 0]) and parts[b"IEND"] == b""
-    lines = np.frombuffer(zlib.decompress(parts[b"IDAT"]), np.uint8).reshape(height, 1 + 3 * width)
-    assert (lines[:, 0] == 2).all()
-    return np.cumsum(lines[:, 1:].astype(int), axis=0).astype(np.uint8).reshape(height, width, 3)
+    assert bits == 8 and rest == [0, 0, 0]
+    lines = np.frombuffer(zlib.decompress(parts[b"IDAT"]), np.uint8).reshape(height, -1)
+    filters, values = lines[:, 0], lines[:, 1:]
+    if color == 3:
+        assert (filters == 0).all()
+        return np.frombuffer(parts[b"PLTE"], np.uint8).reshape(-1, 3)[values]
+    assert color == 2 and (filters == 2).all()
+    return np.cumsum(values.astype(int), axis=0).astype(np.uint8).reshape(height, width, 3)
 
 
 def test_png_holds_the_picture(tmp_path):
     pixels = np.random.default_rng(1).integers(0, 256, (13, 7, 3)).astype(np.uint8)
     write_png(tmp_path / "a.png", pixels)
     assert (read_png(tmp_path / "a.png") == pixels).all()
+
+
+def test_png_with_a_palette_holds_the_picture(tmp_path):
+    random = np.random.default_rng(2)
+    palette, index = random.integers(0, 256, (40, 3)).astype(np.uint8), random.integers(0, 40, (6, 11)).astype(np.uint8)
+    write_indexed_png(tmp_path / "a.png", palette, index)
+    assert (read_png(tmp_path / "a.png") == palette[index]).all()
 
 
 def test_signs_are_told_apart_and_nothing_lies_beyond_a_voxel():
