@@ -6,6 +6,7 @@
 
 #include "check.h"
 #include "mesoshell/bake.h"
+#include "mesoshell/traversal.h"
 #include "scene_film.h"
 #include "scene_with.h"
 
@@ -304,10 +305,12 @@ TEST(SceneLight, ConvexShellsCastNoShadowOnThemselves)
     const Gdm gdm = bake_gdm(sample, r, job);
     const Sdf sdf = bake_sdf(sample, {16, 16, 11}, job);
     const Map map = compress(gdm, &sdf, CompressOptions{}, job);
-    for (const int traversal : {sdf_traversal, gdm_traversal}) {
+    for (const Traversal traversal :
+         {Traversal::gdm, Traversal::sdf, Traversal::march, Traversal::slices, Traversal::exact}) {
         Scene scene;
         scene.shells.push_back(placed(shell, map));
-        scene.shells[0].settings = settings(traversal);
+        scene.shells[0].sample = &sample;
+        scene.shells[0].settings = settings(static_cast<int>(traversal));
         scene.lights.push_back(sun({0.9, 0.3, -0.5}, 3.0f));
         const ScenePicture shadowed = render_scene_with(scene, film_of(camera));
         scene.lights[0].cast_shadow = false;
@@ -316,7 +319,7 @@ TEST(SceneLight, ConvexShellsCastNoShadowOnThemselves)
             return std::count_if(picture.color.begin(), picture.color.end(), [](const glm::vec4& c) { return c.r > 0.01f; });
         };
         EXPECT_GT(bright(lit), 1500);
-        EXPECT_EQ(bright(shadowed), bright(lit)) << "traversal " << traversal;
+        EXPECT_EQ(bright(shadowed), bright(lit)) << "traversal " << static_cast<int>(traversal);
     }
 }
 
