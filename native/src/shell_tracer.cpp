@@ -159,7 +159,7 @@ ShellTraceHit ShellTracer::nearest(const glm::vec3& origin, const glm::vec3& dir
     if (result.hit) {
         const shader::Prism prism = state_->prism(result.prism);
         result.t = nearest.t;
-        result.normal = shader::hit_normal(prism, nearest, state_->tile);
+        result.normal = shader::hit_normal(prism, nearest, state_->params.mode.x, state_->tile);
         result.pos_texture = nearest.pos_texture;
         // The hit lies on the ray, but was found on a chord.
         const float off_the_chord = glm::length(origin + dir * nearest.t - shader::prism_position(prism, nearest.q));
