@@ -12,11 +12,12 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named, 4> named_traversals{{
+constexpr std::array<Named, 5> named_traversals{{
     {Traversal::gdm, "gdm"},
     {Traversal::sdf, "sdf"},
     {Traversal::march, "march"},
     {Traversal::slices, "slices"},
+    {Traversal::exact, "exact"},
 }};
 
 std::string choices()
