@@ -9,6 +9,7 @@
 #include "mesoshell/error.h"
 #include "mesoshell/sample.h"
 #include "mesoshell/traversal.h"
+#include "seen_along.h"
 #include "shader_text.h"
 
 namespace mesoshell {
@@ -47,6 +48,17 @@ std::unique_ptr<const ExactTracer> exact_tracer(const Map& map, const ShellParam
     return std::make_unique<const ExactTracer>(*sample);
 }
 
+// `exact` reads no map.
+MapVolumes volumes_for(const Map& map, const ShellParams& params)
+{
+    const auto traversal = static_cast<Traversal>(params.mode.x);
+    if (traversal == Traversal::exact) {
+        return {};
+    }
+    const bool dense = traversal == Traversal::march || traversal == Traversal::slices;
+    return {map, dense ? MapVolumes::Parts::sdf_and_density : MapVolumes::Parts::sdf};
+}
+
 }  // namespace
 
 struct ShellTracer::State {
@@ -54,6 +66,7 @@ struct ShellTracer::State {
     const Map& map;
     ShellParams params;
     BoxScene scene;
+    MapVolumes volumes;
     shader::Tile tile;
     shader::Tolerance tolerance;
     std::unique_ptr<const ExactTracer> exact;  // null for other traversals
@@ -62,7 +75,7 @@ struct ShellTracer::State {
 };
 
 ShellTracer::ShellTracer(const Shell& shell, const Map& map, const ShellParams& params, const Sample* sample)
-    : state_(new State{shell, map, params, BoxScene(prism_boxes(shell)), shader::tile_of(params),
+    : state_(new State{shell, map, params, BoxScene(prism_boxes(shell)), volumes_for(map, params), shader::tile_of(params),
                        shader::tolerance_of(params), exact_tracer(map, params, sample)})
 {
 }
@@ -75,7 +88,11 @@ ShellTraceHit ShellTracer::State::nearest_exact(const glm::vec3& origin, const g
 {
     ExactHit nearest;
     ShellTraceHit result;
+    const SeenAlong seen(origin, dir);
     scene.visit_along(origin, dir, std::max(t_near, 0.0f), [&](std::uint32_t index, float t_before) {
+        if (!seen.may_meet(shell.prisms[index])) {
+            return t_before;
+        }
         const ExactHit hit = exact->nearest(shell.prisms[index], glm::dvec3(origin), glm::dvec3(dir), t_near,
                                             std::min(t_before, t_far));
         const auto t = static_cast<float>(hit.t);
@@ -98,11 +115,15 @@ ShellTraceHit ShellTracer::nearest(const glm::vec3& origin, const glm::vec3& dir
     if (state_->exact) {
         return state_->nearest_exact(origin, dir, t_near, t_far);
     }
-    const shader::FetchScope scope(state_->map);
+    const shader::FetchScope scope(state_->map, state_->volumes);
     shader::ShellHit nearest;
     nearest.hit = false;
     ShellTraceHit result;
+    const SeenAlong seen(origin, dir);
     state_->scene.visit_along(origin, dir, std::max(t_near, 0.0f), [&](std::uint32_t index, float t_before) {
+        if (!seen.may_meet(state_->shell.prisms[index])) {
+            return t_before;
+        }
         const shader::ShellHit hit =
             shader::trace_prism(shader::prism_of(state_->shell.prisms[index]), origin, dir, t_near, state_->params.mode.z,
                                 state_->params.mode.x, state_->tile, state_->tolerance);
