@@ -69,4 +69,23 @@ FacetTexel split_texel(std::uint64_t parts, std::uint32_t first)
     return texel_of(shader_facets::FACET_SPLIT, payloads);
 }
 
+bool facets_make_sense(const Facets& facets)
+{
+    const std::size_t cells = static_cast<std::size_t>(facets.cells.x) * facets.cells.y * facets.cells.z;
+    if (facets.texel_count() < cells) {
+        return false;
+    }
+    for (std::size_t i = 0; i < cells; ++i) {
+        const float* const words = facets.texels.data() + 4 * i;
+        const glm::vec4 texel(words[0], words[1], words[2], words[3]);
+        for (int bit = 0; bit < 64 && shader_facets::facet_kind(texel) == shader_facets::FACET_SPLIT; ++bit) {
+            const int number = shader_facets::part_texel(texel, glm::vec3(bit % 4, bit / 4 % 4, bit / 16));
+            if (number >= 0 && static_cast<std::size_t>(number) >= facets.texel_count()) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 }  // namespace mesoshell

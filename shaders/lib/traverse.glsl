@@ -6,11 +6,13 @@
 #include "segment.glsl"
 #include "tile.glsl"
 #include "traverse_march.glsl"
+#include "traverse_refined.glsl"
 #include "traverse_slices.glsl"
 
 // As mesoshell/traversal.h.
 const int TRAVERSAL_GDM = 0;
 const int TRAVERSAL_SDF = 1;
+const int TRAVERSAL_REFINED = 2;
 const int TRAVERSAL_MARCH = 3;
 const int TRAVERSAL_SLICES = 4;
 
@@ -67,6 +69,10 @@ SegmentHit traverse(int traversal, Tile tile, Tolerance tolerance, vec3 entry_te
 {
     if (traversal == TRAVERSAL_GDM) {
         return traverse_gdm(tile, tolerance, entry_texture, exit_texture);
+    }
+    // A map without facets has sphere tracing to fall back on.
+    if (traversal == TRAVERSAL_REFINED && tile.facet_cells.x > 0.0f) {
+        return traverse_refined(tile, tolerance, entry_texture, exit_texture);
     }
     if (traversal == TRAVERSAL_MARCH) {
         return traverse_march(tile, entry_texture, exit_texture);

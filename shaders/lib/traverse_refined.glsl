@@ -3,8 +3,8 @@
 #define MESOSHELL_LIB_TRAVERSE_REFINED
 
 #include "facets.glsl"
-#include "segment_hit.glsl"
-#include "traverse_sdf.glsl"
+#include "segment.glsl"
+#include "tile.glsl"
 
 // Where start + along * way crosses three planes, one an axis; far away where it never does.
 vec3 border_crossings(vec3 start, vec3 way, vec3 border)
@@ -96,9 +96,6 @@ SegmentHit traverse_parts(Tile tile, vec4 texel, vec3 cell, vec3 start, vec3 way
 
 SegmentHit traverse_refined(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture)
 {
-    if (tile.facet_cells.x < 1.0f) {
-        return traverse_sdf(tile, tolerance, entry_texture, exit_texture);
-    }
     SegmentHit result;
     result.hit = false;
     result.along = 0.0f;
