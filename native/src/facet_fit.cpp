@@ -187,7 +187,7 @@ private:
     {
         const double points = (side_ + 1) * (side_ + 1) * (side_ + 1);
         int wrong = 0;
-        for (std::size_t word = 0; word < truth_.size(); ++word) {
+        for (std::size_t word = 0; word < truth_.size() && wrong < cost_ * points; ++word) {
             std::uint64_t solid = 0;
             for (const int group : facet_forms[form]) {
                 std::uint64_t common = ~std::uint64_t(0);

@@ -64,15 +64,22 @@ float nearer_start(float nearest, vec2 range)
     return range.x <= range.y ? min(nearest, range.x) : nearest;
 }
 
-// Where start + along * way is behind the plane of a word: the part of a range of `along`. `start` and `way` are metric, from
-// the middle of the cell; `radius` is half its diagonal.
-vec2 range_behind(float word, vec3 start, vec3 way, float radius, vec2 range)
+// The plane of a word: its normal, and its distance from the middle of the cell. `radius` is half the cell's diagonal.
+vec4 facet_plane(float word, float radius)
 {
     int bits = facet_bits(word);
     vec2 place = vec2(float(bits & 1023), float((bits >> 10) & 1023)) * (2.0f / 1023.0f) - vec2(1.0f);
     vec3 normal = octahedral_direction(place);
-    float level = (float((bits >> 20) & 511) * (2.0f / 511.0f) - 1.0f) * radius;
-    float height = dot(normal, start) - level;
+    return vec4(normal.x, normal.y, normal.z, (float((bits >> 20) & 511) * (2.0f / 511.0f) - 1.0f) * radius);
+}
+
+// Where start + along * way is behind the plane of a word: the part of a range of `along`. `start` and `way` are metric, from
+// the middle of the cell.
+vec2 range_behind(float word, vec3 start, vec3 way, float radius, vec2 range)
+{
+    vec4 plane = facet_plane(word, radius);
+    vec3 normal = vec3(plane.x, plane.y, plane.z);
+    float height = dot(normal, start) - plane.w;
     float slope = dot(normal, way);
     float crossing = slope != 0.0f ? -height / slope : 0.0f;
     float low = slope < 0.0f ? max(range.x, crossing) : range.x;
@@ -109,6 +116,24 @@ float first_inside(vec4 texel, int kind, vec3 start, vec3 way, float radius, vec
         nearest = nearer_start(nearest, common_range(a, d));
     }
     return nearest;
+}
+
+// The normal of the plane of a texel in which a point lies: of those that `way` enters, the nearest; zero where it enters none.
+// `point` and `way` are metric, from the middle of the cell.
+vec3 normal_at(vec4 texel, vec3 point, vec3 way, float radius)
+{
+    vec3 found = vec3(0.0f);
+    float nearest = 3.0e38f;
+    for (int i = 0; i < 4; ++i) {
+        vec4 plane = facet_plane(texel[i], radius);
+        vec3 normal = vec3(plane.x, plane.y, plane.z);
+        float distance = abs(dot(normal, point) - plane.w);
+        if (distance < nearest && dot(normal, way) < 0.0f) {
+            nearest = distance;
+            found = normal;
+        }
+    }
+    return found;
 }
 
 // Of the lower 16 bits.

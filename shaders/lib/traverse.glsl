@@ -24,6 +24,7 @@ SegmentHit traverse_gdm(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3
     result.hit = false;
     result.along = 1.0f;
     result.fetches = 0;
+    result.normal = vec3(0.0f);
     vec3 span_metric = (exit_texture - entry_texture) * tile.scale;
     float span_length = length(span_metric);
     if (span_length == 0.0f) {
@@ -46,6 +47,7 @@ SegmentHit traverse_sdf(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3
     result.hit = false;
     result.along = 0.0f;
     result.fetches = 0;
+    result.normal = vec3(0.0f);
     float span_length = length((exit_texture - entry_texture) * tile.scale);
     float travelled = 0.0f;
     while (result.fetches < tolerance.sdf_steps) {

@@ -64,6 +64,7 @@ SegmentHit traverse_parts(Tile tile, vec4 texel, vec3 cell, vec3 start, vec3 way
     result.hit = false;
     result.along = range.x;
     result.fetches = 0;
+    result.normal = vec3(0.0f);
     vec3 side = tile.scale / (tile.facet_cells * 4.0f);
     vec3 start_part = (start - cell) * 4.0f;
     vec3 way_part = way * 4.0f;
@@ -77,11 +78,15 @@ SegmentHit traverse_parts(Tile tile, vec4 texel, vec3 cell, vec3 start, vec3 way
         if (number >= 0) {
             vec4 planes = fetch_facets(facet_place(number, tile.facet_cells));
             result.fetches += 1;
-            float found = first_inside(planes, facet_kind(planes), (start_part - part - vec3(0.5f)) * side, way_part * side,
-                                       0.5f * length(side), vec2(result.along, min(leave, range.y)));
+            vec3 start_metric = (start_part - part - vec3(0.5f)) * side;
+            vec3 way_metric = way_part * side;
+            float radius = 0.5f * length(side);
+            float found = first_inside(planes, facet_kind(planes), start_metric, way_metric, radius,
+                                       vec2(result.along, min(leave, range.y)));
             if (found <= 1.0f) {
                 result.hit = true;
                 result.along = found;
+                result.normal = normal_at(planes, start_metric + way_metric * found, way_metric, radius);
                 return result;
             }
         }
@@ -100,6 +105,7 @@ SegmentHit traverse_refined(Tile tile, Tolerance tolerance, vec3 entry_texture, 
     result.hit = false;
     result.along = 0.0f;
     result.fetches = 0;
+    result.normal = vec3(0.0f);
     vec3 cells = tile.facet_cells;
     vec3 side = tile.scale / cells;
     float radius = 0.5f * length(side);
@@ -126,13 +132,16 @@ SegmentHit traverse_refined(Tile tile, Tolerance tolerance, vec3 entry_texture, 
             if (inner.hit) {
                 result.hit = true;
                 result.along = inner.along;
+                result.normal = inner.normal;
                 return result;
             }
         } else if (kind != FACET_EMPTY) {
-            float found = first_inside(texel, kind, (start - cell - vec3(0.5f)) * side, way * side, radius, range);
+            vec3 start_metric = (start - cell - vec3(0.5f)) * side;
+            float found = first_inside(texel, kind, start_metric, way * side, radius, range);
             if (found <= 1.0f) {
                 result.hit = true;
                 result.along = found;
+                result.normal = normal_at(texel, start_metric + way * side * found, way * side, radius);
                 return result;
             }
         }
