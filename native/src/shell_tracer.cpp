@@ -11,6 +11,7 @@
 #include "mesoshell/error.h"
 #include "mesoshell/sample.h"
 #include "mesoshell/traversal.h"
+#include "seen_along.h"
 #include "shader_text.h"
 
 namespace mesoshell {
@@ -79,6 +80,17 @@ float tile_width_along(const shader::Prism& prism, const glm::vec3& q, const glm
     return std::isfinite(length) ? length : 0.0f;
 }
 
+// `exact` reads no map.
+MapVolumes volumes_for(const Map& map, const ShellParams& params)
+{
+    const auto traversal = static_cast<Traversal>(params.mode.x);
+    if (traversal == Traversal::exact) {
+        return {};
+    }
+    const bool dense = traversal == Traversal::march || traversal == Traversal::slices;
+    return {map, dense ? MapVolumes::Parts::sdf_and_density : MapVolumes::Parts::sdf};
+}
+
 }  // namespace
 
 struct ShellTracer::State {
@@ -86,6 +98,7 @@ struct ShellTracer::State {
     const Map& map;
     ShellParams params;
     BoxScene scene;
+    MapVolumes volumes;
     shader::Tile tile;
     shader::Tolerance tolerance;
     std::unique_ptr<const ExactTracer> exact;  // null for other traversals
@@ -98,7 +111,7 @@ struct ShellTracer::State {
 };
 
 ShellTracer::ShellTracer(const Shell& shell, const Map& map, const ShellParams& params, const Sample* sample)
-    : state_(new State{shell, map, params, BoxScene(prism_boxes(shell)), shader::tile_of(params),
+    : state_(new State{shell, map, params, BoxScene(prism_boxes(shell)), volumes_for(map, params), shader::tile_of(params),
                        shader::tolerance_of(params), exact_tracer(map, params, sample)})
 {
 }
@@ -112,7 +125,11 @@ ShellTraceHit ShellTracer::State::nearest_exact(const glm::vec3& origin, const g
     const ExactRay ray{glm::dvec3(origin), glm::dvec3(dir)};
     ExactHit nearest;
     ShellTraceHit result;
+    const SeenAlong seen(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
+        if (!seen.may_meet(shell.prisms[index])) {
+            return t_before;
+        }
         const ExactHit hit = exact->nearest(shell.prisms[index], ray, t_near, std::min(t_before, t_far));
         const auto t = static_cast<float>(hit.t);
         if (!hit.hit || t >= t_before || t >= t_far) {
@@ -139,11 +156,15 @@ ShellTraceHit ShellTracer::nearest(const glm::vec3& origin, const glm::vec3& dir
     if (state_->exact) {
         return state_->nearest_exact(origin, dir, t_near, t_far);
     }
-    const shader::FetchScope scope(state_->map);
+    const shader::FetchScope scope(state_->map, state_->volumes);
     shader::ShellHit nearest;
     nearest.hit = false;
     ShellTraceHit result;
+    const SeenAlong seen(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
+        if (!seen.may_meet(state_->shell.prisms[index])) {
+            return t_before;
+        }
         const shader::ShellHit hit = shader::trace_prism(state_->prism(index), origin, dir, t_near, state_->params.mode.z,
                                                          state_->params.mode.x, state_->tile, state_->tolerance);
         result.fetches += hit.fetches;
@@ -174,8 +195,9 @@ bool ShellTracer::State::any(const glm::vec3& origin, const glm::vec3& dir, floa
                              const Meet& meet) const
 {
     bool met = false;
+    const SeenAlong seen(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
-        met = met || meet(index);  // the other boxes of a leaf come too
+        met = met || (seen.may_meet(shell.prisms[index]) && meet(index));  // the other boxes of a leaf come too
         return met ? -std::numeric_limits<float>::infinity() : t_before;
     };
     scene.visit_along(origin, dir, std::max(t_near, 0.0f), visit, t_far);
@@ -193,7 +215,7 @@ ShellOcclusion ShellTracer::any(const glm::vec3& origin, const glm::vec3& dir, f
         });
         return result;
     }
-    const shader::FetchScope scope(state_->map);
+    const shader::FetchScope scope(state_->map, state_->volumes);
     result.hit = state_->any(origin, dir, t_near, t_far, [&](std::uint32_t index) {
         const shader::ShellHit hit = shader::trace_prism(state_->prism(index), origin, dir, t_near, state_->params.mode.z,
                                                          state_->params.mode.x, state_->tile, state_->tolerance);
