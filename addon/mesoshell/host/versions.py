@@ -13,6 +13,10 @@ FLAT_COLOR_SHADER, SMOOTH_COLOR_SHADER, LINE_SHADER = (
     _PREFIX + name for name in ('UNIFORM_COLOR', 'SMOOTH_COLOR', 'POLYLINE_UNIFORM_COLOR'))
 
 
+# The name of the render pass of objects' indices, by which the compositor and files know it.
+OBJECT_INDEX_PASS = "Object Index" if bpy.app.version >= (5, 0, 0) else "IndexOB"
+
+
 _CREASES_ARE_ATTRIBUTES = "crease" not in bpy.types.MeshEdge.bl_rna.properties  # since 4.0
 
 
@@ -121,15 +125,24 @@ def draw_progress(layout, text, fraction, fallback, fallback_property):
         layout.prop(fallback, fallback_property, text=text, slider=True)
 
 
+_BLENDERS_OWN_ENGINES = {'BLENDER_EEVEE', 'BLENDER_EEVEE_NEXT', 'BLENDER_WORKBENCH'}
+
+
+def text_size(points):
+    """What blf.size() takes after the font; before 4.0 with a resolution."""
+    return (points,) if bpy.app.version >= (4, 0, 0) else (points, 72)
+
+
 def handlers_see_depth(space, engine):
     """Whether draw handlers of a 3D View find the scene's depth in the framebuffer (seen on 3.4.1, 4.3.2 and 5.2.2).
 
-    X-ray views have none before 5.0. With overlays off, Cycles leaves none, and since 4.2 Eevee neither.
+    X-ray views have none before 5.0. With overlays off, Cycles leaves none, nor do other engines that are no part of Blender, and
+    since 4.2 Eevee neither.
     """
     shading, overlays = space.shading, space.overlay.show_overlays
     if shading.type in {'SOLID', 'WIREFRAME'}:
         xray = shading.show_xray if shading.type == 'SOLID' else shading.show_xray_wireframe
         return not xray or bpy.app.version >= (5, 0, 0)
-    if shading.type == 'RENDERED' and engine == 'CYCLES':
+    if shading.type == 'RENDERED' and engine not in _BLENDERS_OWN_ENGINES:
         return overlays
     return overlays or bpy.app.version < (4, 2, 0)
