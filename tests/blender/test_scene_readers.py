@@ -18,7 +18,9 @@ def read(part, fresh):
     hidden = [obj for obj in fresh.objects if not obj.hide_render]
     for obj in hidden:
         obj.hide_render = True
-    yield lambda: rendering.in_render(part("host.scene_meshes").read)
+    notices = []
+    yield lambda: rendering.in_render(lambda depsgraph: part("host.scene_meshes").read(depsgraph, notices))
+    assert notices == []
     for obj in hidden:
         obj.hide_render = False
 
@@ -102,7 +104,8 @@ def test_copies_modifiers_and_curves_are_read(read):
     first, second = read()
     assert len(first["triangles"]) == 2 * 6 * 4 ** 3
     assert {first["object_index"], second["object_index"]} == {7}
-    np.testing.assert_allclose(second["positions"] - first["positions"], [[10.0, 0.0, 0.0]] * len(first["positions"]), atol=1e-5)
+    apart = second["positions"] - first["positions"]
+    np.testing.assert_allclose(apart, np.broadcast_to([10.0, 0.0, 0.0], apart.shape), atol=1e-5)
     empty.visible_camera = False
     assert sorted(mesh["visible_camera"] for mesh in read()) == [False, True]
     bpy.data.collections.remove(collection)
@@ -141,7 +144,8 @@ def test_colors_follow_an_attribute_and_an_image(read):
     plane.data.materials.append(material)
     attribute = plane.data.color_attributes.new("Paint", 'FLOAT_COLOR', 'POINT')
     positions = np.array([vertex.co for vertex in plane.data.vertices])
-    attribute.data.foreach_set("color", np.column_stack([positions / 2.0, np.ones(len(positions))]).astype(np.float32).ravel())
+    paint = np.column_stack([positions / 2.0, np.ones(len(positions))])
+    attribute.data.foreach_set("color", paint.astype(np.float32).ravel())
     node = material.node_tree.nodes.new("ShaderNodeVertexColor")
     node.layer_name = "Paint"
     material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
@@ -156,6 +160,15 @@ def test_colors_follow_an_attribute_and_an_image(read):
     material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
     expected = quarters[(middles[:, 1] > 1.0).astype(int), (middles[:, 0] > 1.0).astype(int)]
     np.testing.assert_allclose(read()[0]["colors"], np.repeat(expected[:, None], 3, axis=1), atol=1e-6)
+
+
+def test_a_mesh_that_is_not_finite_is_named_and_left_out(part, fresh):
+    make_cube("Sound")
+    make_cube("Broken").data.vertices[3].co.x = np.nan
+    notices = []
+    meshes = rendering.in_render(lambda depsgraph: part("host.scene_meshes").read(depsgraph, notices))
+    assert len(notices) == 1 and '"Broken"' in notices[0]
+    assert len(meshes) >= 1 and all(np.isfinite(mesh["positions"]).all() for mesh in meshes)
 
 
 def make_light(name, kind, rotation=(0.0, 0.0, 0.0), **settings):
@@ -187,11 +200,12 @@ def test_lamps_shine_along_their_axis_with_their_power(part, read):
         np.testing.assert_allclose(light["position"], (1.0, 2.0, 3.0))
     np.testing.assert_allclose(lights['SUN']["color"], (3.0, 1.5, 0.75), rtol=1e-6)
     assert lights['SUN']["angle"] == pytest.approx(0.1)
-    assert (lights['POINT']["color"], lights['POINT']["radius"]) == ((100.0,) * 3, pytest.approx(0.3))
+    np.testing.assert_allclose(lights['POINT']["color"], 100.0)
+    assert lights['POINT']["radius"] == pytest.approx(0.3)
     spot = lights['SPOT']
     assert (spot["spot_size"], spot["spot_blend"], spot["cast_shadow"]) == (pytest.approx(1.0), pytest.approx(0.4), False)
     np.testing.assert_allclose(lights['AREA']["size"], (4.0, 1.5), rtol=1e-6)
-    axis = np.array(lights['AREA']["axis_y"])
+    axis = lights['AREA']["axes"][1]
     np.testing.assert_allclose(axis / np.linalg.norm(axis), turn @ Vector((0.0, 1.0, 0.0)), atol=1e-6)
 
 

@@ -13,13 +13,13 @@ from . import images, instances, materials, mesh_corners, versions
 _NO_SURFACE = {'WIRE', 'BOUNDS'}
 
 
-def read(depsgraph):
+def read(depsgraph, notices):
     """The list of dicts that the native render_scene takes as `meshes`, one for each visible object or copy with faces.
 
-    What is hidden from renders, or in no collection of the view layer, is left out; objects that are seen by the camera or by
-    shadow rays only say so.
+    What is hidden from renders, or in no collection of the view layer, is left out; objects that are seen by the camera or
+    by shadow rays only say so. What can not be rendered goes to `notices`, in sentences.
     """
-    meshes, pieces, converted, shown = [], {}, [], set()
+    meshes, pieces, converted, shown = [], _Pieces(notices), [], set()
     for instance in depsgraph.object_instances:
         obj = instance.object
         if not instance.show_self or obj.type not in instances.MESH_TYPES:
@@ -44,18 +44,35 @@ def visibility(*owners):
             "visible_shadow": all(obj.visible_shadow for obj in owners)}
 
 
+class _Pieces:
+    """What meshes are in their own space, kept for their copies."""
+
+    def __init__(self, notices):
+        self._notices = notices
+        self._read = {}
+
+    def of(self, obj):
+        """(MeshCorners, colors as _read has them) of an evaluated object, or None."""
+        # A node-made instance has the original of the object whose nodes made it, and data of its own.
+        key = versions.object_key(obj.original), obj.data.as_pointer()
+        if key not in self._read:
+            with instances.mesh_of(obj) as mesh:
+                piece = None if mesh is None or len(mesh.polygons) == 0 else _read(mesh, obj)
+            if piece is not None and not np.all(np.isfinite(piece[0].positions)):
+                self._notices.append(f'"{obj.name}" is not rendered: its vertices are not all finite numbers; delete those')
+                piece = None
+            self._read[key] = piece
+        return self._read[key]
+
+
 def _add(meshes, pieces, obj, matrix, owners):
-    """Appends an object at `matrix`; `pieces` keeps what was read, for its copies."""
+    """Appends an object at `matrix` if there is something to see."""
     seen = visibility(*owners)
     if not any(seen.values()) or obj.original.mesoshell.enabled and obj.display_type in _NO_SURFACE:
         return
-    # A node-made instance has the original of the object whose nodes made it, and data of its own.
-    key = versions.object_key(obj.original), obj.data.as_pointer()
-    if key not in pieces:
-        with instances.mesh_of(obj) as mesh:
-            pieces[key] = None if mesh is None or len(mesh.polygons) == 0 else _read(mesh, obj)
-    if pieces[key] is not None:
-        meshes.append(_placed(*pieces[key], matrix) | seen | {"object_index": obj.pass_index})
+    piece = pieces.of(obj)
+    if piece is not None:
+        meshes.append(_placed(*piece, matrix) | seen | {"object_index": obj.pass_index})
 
 
 def _placed(corners, colors, matrix):
