@@ -5,12 +5,11 @@
 #include "mesoshell/realize.h"
 #include "mesoshell/render.h"
 #include "mesoshell/traversal.h"
+#include "render_arguments.h"
 #include "run.h"
 
 namespace mesoshell::python {
-namespace {
 
-// The uniform block from any bytes-like object of its size; its defaults for None.
 ShellParams params_argument(PyObject* object)
 {
     ShellParams params;
@@ -32,6 +31,8 @@ ShellParams params_argument(PyObject* object)
     }
     return params;
 }
+
+namespace {
 
 View view_argument(ModuleState& state, PyObject* clip_from_object, PyObject* size)
 {
