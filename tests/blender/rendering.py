@@ -38,6 +38,54 @@ def in_render(look, size=(8, 8)):
     return found[0]
 
 
+# Of scene.render, what render() and the tests set.
+_SETTINGS = ("engine", "resolution_x", "resolution_y", "resolution_percentage", "filepath", "film_transparent", "use_border",
+             "use_crop_to_border", "border_min_x", "border_max_x", "border_min_y", "border_max_y", "filter_size",
+             "use_file_extension")
+
+
+@contextmanager
+def set_up(scene, size, samples=1):
+    """The scene renders by the engine, to 32-bit files that read_exr() reads, while the block runs; camera and world too."""
+    image = scene.render.image_settings
+    of_image = [name for name in ("media_type", "file_format", "color_mode", "color_depth", "exr_codec", "use_exr_interleave")
+                if hasattr(image, name)]
+    with kept(scene.render, *_SETTINGS), kept(image, *of_image), kept(scene, "camera", "world", "frame_start", "frame_end"):
+        render = scene.render
+        render.engine, render.use_file_extension = 'MESOSHELL', True
+        (render.resolution_x, render.resolution_y), render.resolution_percentage = size, 100
+        if "media_type" in of_image:
+            image.media_type = 'MULTI_LAYER_IMAGE'
+        image.file_format, image.color_depth, image.exr_codec = 'OPEN_EXR_MULTILAYER', '32', 'NONE'
+        if "use_exr_interleave" in of_image:
+            image.use_exr_interleave = True
+        scene.mesoshell_render.samples = samples
+        yield render
+    scene.property_unset("mesoshell_render")
+
+
+def render(path, scene=None):
+    """Renders to a file; the passes of each view layer as {"Combined": float32 [h, w, 4], "Depth": [h, w], ...}.
+
+    With one view layer that dict; with more, a dict of them by name.
+    """
+    scene = scene or bpy.context.scene
+    scene.render.filepath = str(path)
+    assert bpy.ops.render.render(write_still=True, scene=scene.name) == {'FINISHED'}
+    return passes_of(path, scene)
+
+
+def passes_of(path, scene):
+    """What a file that set_up() made Blender write holds, as render() returns it."""
+    channels, layers = read_exr(path), {}
+    for layer in scene.view_layers:
+        found = layers[layer.name] = {}
+        for name in {key.split(".")[1] for key in channels if key.startswith(layer.name + ".")}:
+            planes = [channels[key] for letter in "RGBAXYZ" if (key := f"{layer.name}.{name}.{letter}") in channels]
+            found[name] = planes[0] if len(planes) == 1 else np.stack(planes, axis=-1)
+    return layers if len(layers) > 1 else next(iter(layers.values()))
+
+
 @contextmanager
 def kept(owner, *names):
     """Properties of `owner` are as they were after the block."""

@@ -136,8 +136,8 @@ def text_size(points):
 def handlers_see_depth(space, engine):
     """Whether draw handlers of a 3D View find the scene's depth in the framebuffer (seen on 3.4.1, 4.3.2 and 5.2.2).
 
-    X-ray views have none before 5.0. With overlays off, Cycles leaves none, nor do other engines that are no part of Blender, and
-    since 4.2 Eevee neither.
+    X-ray views have none before 5.0. With overlays off, Cycles leaves none, nor do engines of other add-ons, and since 4.2
+    Eevee neither.
     """
     shading, overlays = space.shading, space.overlay.show_overlays
     if shading.type in {'SOLID', 'WIREFRAME'}:
