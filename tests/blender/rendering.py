@@ -48,8 +48,8 @@ _SETTINGS = ("engine", "resolution_x", "resolution_y", "resolution_percentage", 
 def set_up(scene, size, samples=1):
     """The scene renders by the engine, to 32-bit files that read_exr() reads, while the block runs; camera and world too."""
     image = scene.render.image_settings
-    of_image = [name for name in ("media_type", "file_format", "color_mode", "color_depth", "exr_codec", "use_exr_interleave")
-                if hasattr(image, name)]
+    names = "media_type", "file_format", "color_mode", "color_depth", "exr_codec", "use_exr_interleave"
+    of_image = [name for name in names if hasattr(image, name)]
     with kept(scene.render, *_SETTINGS), kept(image, *of_image), kept(scene, "camera", "world", "frame_start", "frame_end"):
         render = scene.render
         render.engine, render.use_file_extension = 'MESOSHELL', True

@@ -1,4 +1,4 @@
-"""The render engine in the background: stills and animations, against the native module, the other renderers and closed forms."""
+"""The render engine: stills and animations, against the native module, other renderers and closed forms."""
 
 import shutil
 from types import SimpleNamespace
@@ -151,7 +151,7 @@ def test_an_orthographic_picture_in_closed_form(stage):
 
 
 def test_shells_and_meshes_occlude_and_shade_each_other(stage, map_file):
-    """Over a plane with a shell a cube hides a square and darkens another; below, the shell's own shadow lies on the ground."""
+    """Over a plane with a shell a cube hides a square and darkens another; the shell's own shadow lies on the ground."""
     sheet = scenes.make_plane("Sheet", size=2.0)
     sheet.location = (-1.0, -1.0, 0.0)
     scenes.add_shell(sheet, map_file, thickness=0.3, tiles_u=4, tiles_v=4)
@@ -317,7 +317,7 @@ def test_a_long_animation_keeps_its_memory(mail, tmp_path):
 
 
 def test_disabled_the_engine_is_gone_and_enabled_it_is_back(addon, mail):
-    """Without the add-on a file that asks for the engine renders nothing and harms nothing; others' panels are as they were."""
+    """Without the add-on a file that asks for the engine harms nothing; panels of others are as they were."""
     def engines():
         return {name: frozenset(cls.COMPAT_ENGINES - {'MESOSHELL'}) for name in dir(bpy.types)
                 if isinstance(getattr(cls := getattr(bpy.types, name), "COMPAT_ENGINES", None), set)
@@ -342,3 +342,37 @@ def test_disabled_the_engine_is_gone_and_enabled_it_is_back(addon, mail):
         addon.register()
     assert shown() == enabled and mail.render.engine == 'MESOSHELL'
     np.testing.assert_array_equal(rendering.render(mail.file)["Combined"], picture["Combined"])
+
+
+@pytest.mark.window
+def test_the_engines_panels_draw_in_the_properties_editor(part, stage, monkeypatch, capfd):
+    lamp = make_sun()
+    cube = make_cube("Block", (0.0, 0.0, 0.0))
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == 'PROPERTIES')
+    drawn, errors = set(), []
+
+    def watched(cls, draw):
+        def watch(self, context):
+            drawn.add(cls.__name__)
+            try:
+                draw(self, context)
+            except BaseException as error:
+                errors.append((cls.__name__, error))
+        return watch
+    classes = part("ui.engine_panels").CLASSES
+    for cls in classes:
+        monkeypatch.setattr(cls, "draw", watched(cls, cls.draw))
+    before = area.spaces.active.context
+    try:
+        for active, tabs in ((cube, ('RENDER', 'VIEW_LAYER', 'OBJECT', 'MATERIAL', 'WORLD')), (lamp, ('DATA',))):
+            bpy.context.view_layer.objects.active = active
+            for tab in tabs:
+                area.spaces.active.context = tab
+                bpy.ops.wm.redraw_timer(type='DRAW_WIN_SWAP', iterations=2)
+    finally:
+        area.spaces.active.context = before
+    said = capfd.readouterr()
+    assert not errors and "rna_uiItem" not in said.out + said.err
+    assert {"MESOSHELL_RENDER_PT_sampling", "MESOSHELL_RENDER_PT_film", "MESOSHELL_VIEWLAYER_PT_passes",
+            "MESOSHELL_LIGHT_PT_shadow"} <= drawn

@@ -8,7 +8,7 @@ import blf
 import bpy
 
 from ..core import native
-from ..host import sentences, versions
+from ..host import sentences
 from . import frame, passes
 
 _NOTICE = "Mesoshell renders with F12: choose Solid or Material Preview to see the whole scene here"
@@ -72,7 +72,7 @@ class MesoshellRenderEngine(bpy.types.RenderEngine):
 
     def view_draw(self, context, depsgraph):
         scale = context.preferences.system.ui_scale
-        blf.size(0, *versions.text_size(12 * scale))
+        blf.size(0, 12 * scale)
         blf.color(0, 1.0, 1.0, 1.0, 1.0)
         blf.position(0, 20 * scale, 20 * scale, 0)
         blf.draw(0, _NOTICE)

@@ -17,6 +17,8 @@ FLAT_COLOR_SHADER, SMOOTH_COLOR_SHADER, LINE_SHADER = (
 OBJECT_INDEX_PASS = "Object Index" if bpy.app.version >= (5, 0, 0) else "IndexOB"
 
 
+_BLENDERS_OWN_ENGINES = {'BLENDER_EEVEE', 'BLENDER_EEVEE_NEXT', 'BLENDER_WORKBENCH'}
+
 _CREASES_ARE_ATTRIBUTES = "crease" not in bpy.types.MeshEdge.bl_rna.properties  # since 4.0
 
 
@@ -123,14 +125,6 @@ def draw_progress(layout, text, fraction, fallback, fallback_property):
         layout.progress(text=text, factor=fraction)
     else:
         layout.prop(fallback, fallback_property, text=text, slider=True)
-
-
-_BLENDERS_OWN_ENGINES = {'BLENDER_EEVEE', 'BLENDER_EEVEE_NEXT', 'BLENDER_WORKBENCH'}
-
-
-def text_size(points):
-    """What blf.size() takes after the font; before 4.0 with a resolution."""
-    return (points,) if bpy.app.version >= (4, 0, 0) else (points, 72)
 
 
 def handlers_see_depth(space, engine):
