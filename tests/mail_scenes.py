@@ -11,6 +11,9 @@ from tiles import chain
 
 TILE_HEIGHT = 0.5
 
+# Every traversal that the draw program has, by its number in the uniform block: all are held to the reference renderer.
+TRAVERSALS = {"gdm": 0, "sdf": 1, "march": 3, "slices": 4}
+
 
 @cache
 def chain_sample(native, detail=32):
@@ -108,20 +111,28 @@ def window_depth(clip_from_object, distance):
     return clip[..., 2] / clip[..., 3] * 0.5 + 0.5
 
 
-def check_depths(depth, drawn, picture, clip_from_object, traversal):
-    """Assert that a drawing agrees with a rendering where both hit.
+def check_parity(depth, drawn, picture, clip_from_object, traversal):
+    """Assert that a drawing is the rendering, and print the worst pixel.
 
-    `depth` and `drawn` [h, w] are the drawing's depth buffer and its distances, `picture` the rendering. With `sdf` every pixel agrees
-    to 1e-3, in the depth buffer's measure or, right before the eye where that has no end, in object units. All but one in a
-    thousand do so in object units, with `gdm` too: at a grazing hit, or at the edge of what a lookup takes for a surface, a
-    rounding decides between two places along the ray.
+    `depth` and `drawn` [h, w] are the drawing's depth buffer and its distances, `picture` the rendering. Of a thousand
+    pixels one at most is hit by one of them only. With `sdf` every pixel agrees to 1e-3, in the depth buffer's measure or,
+    right before the eye where that has no end, in object units. All but one in a thousand do so in object units, with the
+    others too: at a grazing hit, or at the edge of what a lookup takes for a surface, a rounding decides between two places
+    along the ray.
     """
-    both = (depth < 1.0) & (picture["hit"] == 1)
+    hit, expected = depth < 1.0, picture["hit"] == 1
+    both = hit & expected
     rendered = numpy.where(both, picture["distance"], 1.0)
-    in_depth = numpy.abs(depth - window_depth(clip_from_object, rendered)) <= 1e-3
-    in_distance = numpy.abs(drawn - rendered) <= 1e-3
-    assert traversal == "gdm" or (in_depth | in_distance)[both].all()
-    assert in_distance[both].mean() >= 0.999
+    in_depth = numpy.where(both, numpy.abs(depth - window_depth(clip_from_object, rendered)), 0.0)
+    in_distance = numpy.where(both, numpy.abs(drawn - rendered), 0.0)
+    y, x = numpy.unravel_index(numpy.argmax(in_distance), both.shape)
+    print(f"{traversal}: {(hit != expected).sum()} of {hit.size} pixels are hit by one only, {(in_distance > 1e-3).sum()} of "
+          f"{both.sum()} differ by more than 1e-3; the worst is ({x}, {y}): {drawn[y, x]:.6g} drawn, {rendered[y, x]:.6g} "
+          f"rendered, {in_depth[y, x]:.2g} in depth")
+    assert expected.mean() > 0.1, "the view shows too little to compare"
+    assert (hit == expected).mean() >= 0.999
+    assert traversal != "sdf" or ((in_depth <= 1e-3) | (in_distance <= 1e-3)).all()
+    assert (in_distance[both] <= 1e-3).mean() >= 0.999
 
 
 def probe_source(shader_source):

@@ -30,6 +30,8 @@ RELEASES = ["here", "trixie", "sid"]
 WITH_TESTS = ["tests", "blend_samples"]
 # Roots in which the C++ source is built and its tests run.
 SOURCE_ROOTS = ["trixie"]
+# Where every test runs in a window too, and not only those that need one: ./dev test does so here, from the source.
+WHOLE_WINDOW = ["sid"]
 
 VERSIONS = """
 import bpy, platform
@@ -57,17 +59,17 @@ def blender_tests(place: Place, version: tuple[int, ...], run_py: Path) -> list[
     name = place.machine.name
     layers = []
 
-    def run(label: str, mode: str, *blender_args: str) -> None:
+    def run(label: str, mode: str, *blender_args: str, marked: str = "") -> None:
         print(f"{name}: {label} …", end=" ", flush=True)
         layers.append(blender_job.tests(place, f"{name} {label}", package="installed", mode=mode, run_py=run_py,
-                                        blender_args=list(blender_args)))
+                                        blender_args=list(blender_args), pytest_args=["-m", marked] if marked else []))
         print(f"{summary(layers[-1:])} in {layers[-1].seconds:.0f} s", flush=True)
 
-    run("window", "window")
+    run("window", "window", marked="" if name in WHOLE_WINDOW else "window or gpu")
     if version >= (5, 2, 0):
         # gpu.init() gives a GPU without a window, on either backend.
         run("background opengl", "background", "--gpu-backend", "opengl")
-        run("background vulkan", "background", "--gpu-backend", "vulkan")
+        run("background vulkan", "background", "--gpu-backend", "vulkan", marked="gpu")
     else:
         run("background", "background")
     return layers

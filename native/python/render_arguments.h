@@ -7,7 +7,8 @@
 
 namespace mesoshell::python {
 
-// The uniform block from any bytes-like object of its size; its defaults for None or null. Throws InvalidArgument; PythonError.
+// The uniform block from any bytes-like object of its size; its defaults for None or null. Throws InvalidArgument;
+// PythonError.
 ShellParams params_argument(PyObject* object);
 
 }  // namespace mesoshell::python

@@ -58,8 +58,8 @@ void SceneArguments::add_lights(PyObject* lights)
 void SceneArguments::add_shell(PyObject* object, const std::string& what)
 {
     const Fields fields(state_, object, what,
-                        {"shell", "map", "sample", "world_from_object", "traversal", "settings", "base_color", "object_index",
-                         "visible_camera", "visible_shadow"});
+                        {"shell", "map", "sample", "world_from_object", "traversal", "settings", "base_color",
+                         "object_index", "visible_camera", "visible_shadow"});
     SceneShell shell;
     const auto held_shell = unbox<Shell>(fields.need("shell", state_.shell_type));
     const auto held_map = unbox<Map>(fields.need("map", state_.map_type));
@@ -116,8 +116,8 @@ void SceneArguments::add_mesh(PyObject* object, const std::string& what)
 void SceneArguments::add_light(PyObject* object, const std::string& what)
 {
     const Fields fields(state_, object, what,
-                        {"type", "position", "direction", "color", "radius", "angle", "spot_size", "spot_blend", "spot_cosine",
-                         "shape", "size", "axes", "cast_shadow"});
+                        {"type", "position", "direction", "color", "radius", "angle", "spot_size", "spot_blend",
+                         "spot_cosine", "shape", "size", "axes", "cast_shadow"});
     SceneLight light;
     fields.need("type");
     light.type = choice_of(light_types, fields.called("type"), fields.text("type", ""));
@@ -140,7 +140,8 @@ void SceneArguments::add_light(PyObject* object, const std::string& what)
     if (light.type == LightType::area) {
         const ArrayArgument<double> axes(state_, fields.need("axes"), fields.called("axes").c_str(), 3);
         if (axes.values().size() != 6) {
-            throw InvalidArgument(fields.called("axes") + " has " + std::to_string(axes.values().size() / 3) + " rows; give two");
+            throw InvalidArgument(fields.called("axes") + " has " + std::to_string(axes.values().size() / 3) +
+                                  " rows; give two");
         }
         light.axis_x = axes.rows<glm::dvec3>()[0];
         light.axis_y = axes.rows<glm::dvec3>()[1];

@@ -71,9 +71,9 @@ PyObject* py_render_scene(PyObject* module, PyObject* args, PyObject* kwargs)
         Film film;
         int transparent = 0;
         int threads = 0;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "|$OOOOOOiIpfiOO:render_scene", const_cast<char**>(names), &clip_from_world,
-                                         &size, &shells, &meshes, &lights, &world, &film.samples, &film.seed, &transparent,
-                                         &film.filter_width, &threads, &progress, &on_tile)) {
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "|$OOOOOOiIpfiOO:render_scene", const_cast<char**>(names),
+                                         &clip_from_world, &size, &shells, &meshes, &lights, &world, &film.samples,
+                                         &film.seed, &transparent, &film.filter_width, &threads, &progress, &on_tile)) {
             return nullptr;
         }
         require_keywords(kwargs, {"clip_from_world", "size"});
@@ -104,17 +104,24 @@ PyObject* py_render_scene(PyObject* module, PyObject* args, PyObject* kwargs)
 }
 
 PyMethodDef functions[] = {
-    {"render_scene", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_render_scene)), METH_VARARGS | METH_KEYWORDS,
-     "render_scene(*, clip_from_world, size, shells=(), meshes=(), lights=(), world=None, samples=1, seed=0, transparent=False, "
+    {"render_scene", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_render_scene)),
+     METH_VARARGS | METH_KEYWORDS,
+     "render_scene(*, clip_from_world, size, shells=(), meshes=(), lights=(), world=None, samples=1, seed=0, "
+     "transparent=False, "
      "filter_width=1.5, threads=0, progress=None, on_tile=None)\n--\n\n"
-     "A picture of a whole scene on the CPU, as a dict of arrays [h, w, ...]: color (linear, premultiplied alpha), depth (along the "
-     "view axis, 1e10 for nothing), normal (world), index (object_index, -1 for nothing) and fetches; row 0 is the bottom.\n\n"
+     "A picture of a whole scene on the CPU, as a dict of arrays [h, w, ...]: color (linear, premultiplied alpha), depth "
+     "(along the "
+     "view axis, 1e10 for nothing), normal (world), index (object_index, -1 for nothing) and fetches; row 0 is the "
+     "bottom.\n\n"
      "shells: dicts of shell, map, world_from_object; sample, traversal='sdf', settings, base_color, object_index=0, "
      "visible_camera=True, visible_shadow=True.\n"
-     "meshes: dicts of positions [n, 3] in world space, triangles [m, 3]; normals [n, 3] or [3 m, 3], base_color or colors [m, 3], "
+     "meshes: dicts of positions [n, 3] in world space, triangles [m, 3]; normals [n, 3] or [3 m, 3], base_color or colors "
+     "[m, 3], "
      "object_index, visible_camera, visible_shadow.\n"
-     "lights: dicts of type 'SUN', 'POINT', 'SPOT' or 'AREA', position, direction, color (times energy: W/m2 of a sun, W of "
-     "others), radius, angle, spot_size, spot_blend, spot_cosine, shape 'SQUARE', 'RECTANGLE', 'DISK' or 'ELLIPSE', size (x, y), "
+     "lights: dicts of type 'SUN', 'POINT', 'SPOT' or 'AREA', position, direction, color (times energy: W/m2 of a sun, W "
+     "of "
+     "others), radius, angle, spot_size, spot_blend, spot_cosine, shape 'SQUARE', 'RECTANGLE', 'DISK' or 'ELLIPSE', size "
+     "(x, y), "
      "axes [2, 3], cast_shadow=True.\n"
      "world: a dict of color, or of image [h, w, 3], equirectangular, row 0 at the bottom.\n"
      "on_tile(x, y, w, h, color) gets finished parts on the calling thread. Raises ValueError."},

@@ -11,7 +11,7 @@
 #include <opensubdiv/bfr/tessellation.h>
 
 #include "edge_measure.h"
-#include "limit_patches.h"
+#include "limit_samples.h"
 #include "mesoshell/shell.h"
 #include "parallel.h"
 
@@ -22,117 +22,7 @@ namespace Bfr = OpenSubdiv::Bfr;
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-constexpr int faces_per_task = 64;
 constexpr int default_levels = 6;
-
-// work(face) for every face, some at a time.
-template <typename Work>
-void for_faces(Job& job, int faces, const Work& work)
-{
-    parallel_for(job, (faces + faces_per_task - 1) / faces_per_task, [&](int task) {
-        for (int face = task * faces_per_task; face < std::min(faces, (task + 1) * faces_per_task); ++face) {
-            work(face);
-        }
-    }, 0.0f);
-}
-
-// A face's patch over vectors of `Value`, floats without gaps.
-template <typename Value>
-class PatchOver {
-public:
-    PatchOver(const Patch& patch, std::span<const Value> values) : patch_(patch), points_(patch.GetNumPatchPoints())
-    {
-        const Patch::PointDescriptor rows(size);
-        patch.PreparePatchPoints(reinterpret_cast<const float*>(values.data()), rows,
-                                 reinterpret_cast<float*>(points_.data()), rows);
-    }
-    Value at(const glm::vec2& place) const
-    {
-        Value value;
-        patch_.Evaluate(&place.x, reinterpret_cast<const float*>(points_.data()), size, reinterpret_cast<float*>(&value));
-        return value;
-    }
-    Value at(const glm::vec2& place, Value& along_u, Value& along_v) const
-    {
-        Value value;
-        patch_.Evaluate(&place.x, reinterpret_cast<const float*>(points_.data()), size, reinterpret_cast<float*>(&value),
-                        reinterpret_cast<float*>(&along_u), reinterpret_cast<float*>(&along_v));
-        return value;
-    }
-    // The patch's control points come first among its points.
-    std::span<const Value> controls() const
-    {
-        return {points_.data(), static_cast<std::size_t>(patch_.GetNumControlPoints())};
-    }
-
-private:
-    static constexpr int size = sizeof(Value) / sizeof(float);
-    const Patch& patch_;
-    std::vector<Value> points_;
-};
-
-// A point of the refined surface: where it is on the patch of the face that evaluates it.
-struct Sample {
-    std::uint32_t point;
-    glm::vec2 place;
-};
-
-// Samples by face.
-struct Samples {
-    std::vector<std::size_t> firsts;  // one a face, and the end
-    std::vector<Sample> all;
-
-    std::span<const Sample> of(int face) const { return {all.data() + firsts[face], firsts[face + 1] - firsts[face]}; }
-};
-
-class AdaptiveEvaluator : public LimitEvaluator {
-public:
-    AdaptiveEvaluator(std::vector<Patch> patches, Samples samples, std::size_t points)
-        : patches_(std::move(patches)), samples_(std::move(samples)), points_(points)
-    {
-    }
-
-    LimitPoints evaluate(std::span<const glm::vec3> positions, Job& job) const override
-    {
-        LimitPoints limit;
-        limit.positions.resize(points_);
-        limit.tangents.resize(points_, glm::mat2x3(0.0f));
-        std::copy(positions.begin(), positions.end(), limit.positions.begin());  // for vertices without faces
-        for_faces(job, static_cast<int>(patches_.size()), [&](int face) {
-            const PatchOver<glm::vec3> patch(patches_[face], positions);
-            for (const Sample& sample : samples_.of(face)) {
-                glm::mat2x3& tangents = limit.tangents[sample.point];
-                limit.positions[sample.point] = patch.at(sample.place, tangents[0], tangents[1]);
-            }
-        });
-        return limit;
-    }
-
-    std::vector<float> interpolate(std::span<const float> values, Job& job) const override
-    {
-        std::vector<float> limit(points_);
-        std::copy(values.begin(), values.end(), limit.begin());
-        for_faces(job, static_cast<int>(patches_.size()), [&](int face) {
-            const PatchOver<float> patch(patches_[face], values);
-            // Patches around extraordinary points are fitted, and may have small negative weights.
-            const auto [least, greatest] = std::minmax_element(patch.controls().begin(), patch.controls().end());
-            for (const Sample& sample : samples_.of(face)) {
-                limit[sample.point] = std::clamp(patch.at(sample.place), *least, *greatest);
-            }
-        });
-        return limit;
-    }
-
-    std::size_t bytes() const override
-    {
-        return patches_.capacity() * sizeof(Patch) + samples_.all.capacity() * sizeof(Sample);
-    }
-
-private:
-    std::vector<Patch> patches_;
-    Samples samples_;
-    std::size_t points_;
-};
 
 // Rates of a face as Bfr::Tessellation takes them: one an edge, then those of the inside.
 using Rates = std::vector<int>;
@@ -156,7 +46,7 @@ public:
         Refined refined;
         refined.sharp = sharp_points();
         fill(refined.topology, job);
-        refined.evaluator = std::make_unique<const AdaptiveEvaluator>(std::move(patches_), std::move(samples_), points_);
+        refined.evaluator = evaluate_samples(std::move(patches_), std::move(samples_), points_);
         return refined;
     }
 
@@ -345,7 +235,7 @@ private:
         const int faces = mesh_.GetNumFaces();
         std::vector<std::vector<std::int32_t>> corners(static_cast<std::size_t>(faces));
         std::vector<std::vector<std::int32_t>> uv_corners(static_cast<std::size_t>(faces));
-        std::vector<std::vector<Sample>> samples(static_cast<std::size_t>(faces));
+        std::vector<std::vector<LimitSample>> samples(static_cast<std::size_t>(faces));
         // Of several faces at a vertex, or a UV, the first evaluates it.
         std::vector<int> vertex_owner(static_cast<std::size_t>(mesh_.GetNumVertices()), -1);
         std::vector<int> uv_owner(uvs_.values.size(), -1);
@@ -476,7 +366,7 @@ private:
     std::vector<std::size_t> face_uvs_;
     std::vector<std::size_t> face_facets_;
     std::size_t points_ = 0;
-    Samples samples_;
+    LimitSamples samples_;
 };
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "mesoshell/render.h"
-#include "mesoshell/traversal.h"
 
 namespace mesoshell {
 namespace {
@@ -51,7 +50,8 @@ void check_color(const std::string& what, const char* name, const glm::vec3& col
 void check_between(const std::string& what, const char* name, float value, float low, float high)
 {
     if (!(value >= low && value <= high)) {
-        refuse(what, std::string(name) + " is " + std::to_string(value) + "; give " + std::to_string(low) + " to " + std::to_string(high));
+        refuse(what, std::string(name) + " is " + std::to_string(value) + "; give " + std::to_string(low) + " to " +
+                         std::to_string(high));
     }
 }
 
@@ -72,21 +72,14 @@ void check_shell(const std::string& what, const SceneShell& shell)
     const glm::dmat4 inverse = glm::inverse(matrix);
     for (int i = 0; i < 4; ++i) {
         if (!all_finite(matrix[i]) || !all_finite(inverse[i])) {
-            refuse(what, "world_from_object cannot be inverted; give a matrix that is finite and leaves the object a volume");
+            refuse(what,
+                   "world_from_object cannot be inverted; give a matrix that is finite and leaves the object a volume");
         }
         if (matrix[i][3] != (i == 3 ? 1.0 : 0.0)) {
             refuse(what, "world_from_object has a last row other than 0, 0, 0, 1; give a matrix without perspective");
         }
     }
     check_color(what, "base_color", shell.base_color);
-    try {
-        complete_params(shell.settings, *shell.map, glm::dmat4(1.0));
-    } catch (const InvalidArgument& problem) {
-        refuse(what, problem.what());
-    }
-    if (shell.settings.mode.x == static_cast<int>(Traversal::exact) && shell.sample == nullptr) {
-        refuse(what, "the traversal exact follows the tile itself; give the sample that its map was baked from");
-    }
 }
 
 void check_mesh(const std::string& what, const SceneMesh& mesh)
@@ -95,18 +88,20 @@ void check_mesh(const std::string& what, const SceneMesh& mesh)
     for (const glm::uvec3& triangle : mesh.triangles) {
         const std::uint32_t largest = std::max({triangle.x, triangle.y, triangle.z});
         if (largest >= mesh.positions.size()) {
-            refuse(what, "triangles name vertex " + std::to_string(largest) + " of " + std::to_string(mesh.positions.size()));
+            refuse(what,
+                   "triangles name vertex " + std::to_string(largest) + " of " + std::to_string(mesh.positions.size()));
         }
     }
     const std::size_t corners = 3 * mesh.triangles.size();
     if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size() && mesh.normals.size() != corners) {
-        refuse(what, "normals has " + std::to_string(mesh.normals.size()) + " rows; give " + std::to_string(mesh.positions.size()) +
-                         ", one a vertex, or " + std::to_string(corners) + ", one a corner");
+        refuse(what, "normals has " + std::to_string(mesh.normals.size()) + " rows; give " +
+                         std::to_string(mesh.positions.size()) + ", one a vertex, or " + std::to_string(corners) +
+                         ", one a corner");
     }
     check_finite(what, "normals", mesh.normals);
     if (!mesh.colors.empty() && mesh.colors.size() != mesh.triangles.size()) {
-        refuse(what, "colors has " + std::to_string(mesh.colors.size()) + " rows; give " + std::to_string(mesh.triangles.size()) +
-                         ", one a triangle");
+        refuse(what, "colors has " + std::to_string(mesh.colors.size()) + " rows; give " +
+                         std::to_string(mesh.triangles.size()) + ", one a triangle");
     }
     for (const glm::vec3& color : mesh.colors) {
         check_color(what, "a row of colors", color);

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 namespace mesoshell {
 namespace {
 
-constexpr int quantile_count = 1024;
-constexpr int window_steps = 16384;
+constexpr int window_steps = 1024;
 
 std::uint32_t reversed_bits(std::uint32_t x)
 {
@@ -75,38 +75,36 @@ std::uint32_t mixed(std::uint32_t a, std::uint32_t b)
 glm::dvec2 spread_point(std::uint32_t index, std::uint32_t seed)
 {
     // In an order of its own for every seed, so that pairs of dimensions are not the same pairs everywhere.
-    const std::uint32_t shuffled = reversed_bits(owen_scrambled(reversed_bits(index), mixed(seed, 0)));
+    const std::uint32_t shuffled = owen_scrambled(index, mixed(seed, 0));
     const std::uint32_t x = owen_scrambled(reversed_bits(shuffled), mixed(seed, 1));
     const std::uint32_t y = owen_scrambled(sobol_second(shuffled), mixed(seed, 2));
     return {x * 0x1p-32, y * 0x1p-32};
 }
 
-FilmFilter::FilmFilter(float width) : width_(width)
+FilmFilter::FilmFilter(float width) : width_(2.0 * width)
 {
     if (width <= 0.0f) {
         return;
     }
-    std::vector<double> sums(window_steps + 1, 0.0);
+    sums_.assign(window_steps + 1, 0.0);
     for (int i = 0; i < window_steps; ++i) {
-        sums[i + 1] = sums[i] + blackman_harris((i + 0.5) / window_steps - 0.5);
+        sums_[i + 1] = sums_[i] + blackman_harris((i + 0.5) / window_steps - 0.5);
     }
-    quantiles_.reserve(quantile_count + 1);
-    for (int i = 0; i <= quantile_count; ++i) {
-        const double share = sums.back() * i / quantile_count;
-        const auto above = std::clamp<std::ptrdiff_t>(std::lower_bound(sums.begin(), sums.end(), share) - sums.begin(), 1, window_steps);
-        const double within = (share - sums[above - 1]) / (sums[above] - sums[above - 1]);
-        quantiles_.push_back((above - 1 + within) / window_steps - 0.5);
+    const double whole = sums_.back();
+    for (double& sum : sums_) {
+        sum /= whole;
     }
 }
 
 double FilmFilter::along(double share) const
 {
-    if (quantiles_.empty()) {
+    if (sums_.empty()) {
         return share - 0.5;
     }
-    const double place = share * quantile_count;
-    const int low = std::min(static_cast<int>(place), quantile_count - 1);
-    return width_ * glm::mix(quantiles_[low], quantiles_[low + 1], place - low);
+    const auto above =
+        std::clamp<std::ptrdiff_t>(std::upper_bound(sums_.begin(), sums_.end(), share) - sums_.begin(), 1, window_steps);
+    const double within = (share - sums_[above - 1]) / (sums_[above] - sums_[above - 1]);
+    return width_ * ((static_cast<double>(above - 1) + within) / window_steps - 0.5);
 }
 
 glm::dvec2 FilmFilter::offset(const glm::dvec2& place) const

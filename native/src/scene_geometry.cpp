@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "mesoshell/render.h"
 #include "scene_meshes.h"
@@ -92,8 +94,12 @@ private:
 
 SceneGeometry::SceneGeometry(const Scene& scene)
 {
-    for (const SceneShell& shell : scene.shells) {
-        shells_.push_back(std::make_unique<const PlacedShell>(shell));
+    for (std::size_t i = 0; i < scene.shells.size(); ++i) {
+        try {
+            shells_.push_back(std::make_unique<const PlacedShell>(scene.shells[i]));
+        } catch (const InvalidArgument& problem) {
+            throw InvalidArgument("shells[" + std::to_string(i) + "]: " + problem.what());
+        }
     }
     std::vector<const SceneMesh*> seen = meshes_with(scene, &SceneMesh::visible_camera);
     std::vector<const SceneMesh*> casting = meshes_with(scene, &SceneMesh::visible_shadow);
@@ -108,14 +114,15 @@ WorldHit SceneGeometry::nearest(const WorldRay& ray, int& fetches) const
 {
     WorldHit nearest;
     WorldRay rest = ray;
-    const MeshHit found = seen_->nearest(glm::vec3(ray.origin), glm::vec3(ray.dir), static_cast<float>(std::max(ray.t_near, 0.0)),
-                                         static_cast<float>(ray.t_far));
+    const MeshHit found = seen_->nearest(glm::vec3(ray.origin), glm::vec3(ray.dir),
+                                         static_cast<float>(std::max(ray.t_near, 0.0)), static_cast<float>(ray.t_far));
     if (found.hit) {
         nearest.hit = true;
         nearest.t = found.t;
         nearest.position = ray.origin + ray.dir * nearest.t;
         const glm::dvec3 largest = glm::abs(nearest.position) + glm::abs(ray.origin);
-        nearest.above = nearest.position + glm::dvec3(found.flat_normal) * (hit_rounding * (largest.x + largest.y + largest.z));
+        nearest.above =
+            nearest.position + glm::dvec3(found.flat_normal) * (hit_rounding * (largest.x + largest.y + largest.z));
         nearest.normal = found.normal;
         nearest.base_color = found.base_color;
         nearest.object_index = found.object_index;
@@ -136,7 +143,8 @@ WorldHit SceneGeometry::nearest(const WorldRay& ray, int& fetches) const
 
 bool SceneGeometry::occluded(const WorldRay& ray, int& fetches) const
 {
-    if (casting_->occluded(glm::vec3(ray.origin), glm::vec3(ray.dir), static_cast<float>(ray.t_near), static_cast<float>(ray.t_far))) {
+    if (casting_->occluded(glm::vec3(ray.origin), glm::vec3(ray.dir), static_cast<float>(ray.t_near),
+                           static_cast<float>(ray.t_far))) {
         return true;
     }
     for (const auto& shell : shells_) {

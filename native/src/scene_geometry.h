@@ -24,7 +24,8 @@ struct WorldHit {
     bool hit = false;
     double t = 0.0;
     glm::dvec3 position{0.0};
-    glm::dvec3 above{0.0};   // where shadow rays start: off the surface, outside a shell's solid or on the side of a mesh that is seen
+    glm::dvec3 above{
+        0.0};  // where shadow rays start: off the surface, outside a shell's solid or on the side of a mesh that is seen
     glm::vec3 normal{0.0f};  // unit length; out of a shell's solid, of a mesh toward the origin of the ray
     glm::vec3 base_color{0.0f};
     std::int32_t object_index = -1;
@@ -32,7 +33,8 @@ struct WorldHit {
 
 class SceneGeometry {
 public:
-    // The scene must be checked (scene_check.h) and live as long.
+    // The scene must be checked (scene_check.h) and live as long. Throws InvalidArgument for maps, settings and samples
+    // that do not fit their traversals.
     explicit SceneGeometry(const Scene& scene);
     ~SceneGeometry();
     SceneGeometry(const SceneGeometry&) = delete;

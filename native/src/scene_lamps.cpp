@@ -88,7 +88,8 @@ Incidence Lamp::from_sun(const glm::dvec2& place) const
     light.distance = std::numeric_limits<double>::infinity();
     light.radiance = light_.color / static_cast<float>(pi);
     if (soft_) {
-        light.to_light = glm::normalize(light.to_light + on_disk_across(light.to_light, place) * std::tan(std::min(0.5 * light_.angle, widest_sun)));
+        light.to_light = glm::normalize(light.to_light + on_disk_across(light.to_light, place) *
+                                                             std::tan(std::min(0.5 * light_.angle, widest_sun)));
     }
     return light;
 }

@@ -58,7 +58,8 @@ MeshHit MeshSet::nearest(const glm::vec3& origin, const glm::vec3& dir, float t_
     const std::uint32_t triangle = found.triangle - first_[place];
     hit.t = found.t;
     hit.flat_normal = unit_or(found.normal, -dir);
-    hit.normal = mesh.normals.empty() ? hit.flat_normal : unit_or(smooth_normal(mesh, triangle, found.weights), hit.flat_normal);
+    hit.normal =
+        mesh.normals.empty() ? hit.flat_normal : unit_or(smooth_normal(mesh, triangle, found.weights), hit.flat_normal);
     // Both sides look alike, as in Cycles: the smooth normal belongs to the side that its own triangle's points to.
     if (glm::dot(hit.normal, hit.flat_normal) < 0.0f) {
         hit.normal = -hit.normal;

@@ -169,19 +169,21 @@ ScenePicture render_scene(const Scene& scene, const Film& film, Job& job, const 
     picture.fetches.assign(pixels, 0);
     const int columns = (film.size.x + tile_pixels - 1) / tile_pixels;
     const int rows = (film.size.y + tile_pixels - 1) / tile_pixels;
-    parallel_for(job, columns * rows, [&](int task) {
+    const auto render_tile = [&](int task) {
         const glm::ivec2 first(task % columns * tile_pixels, task / columns * tile_pixels);
         const glm::ivec2 last = glm::min(first + tile_pixels, film.size);
+        // A pixel may have thousands of samples: a tile is too long to wait for, be it for an end or for news.
         for (int y = first.y; y < last.y; ++y) {
-            // A pixel may have thousands of samples: a tile is too long to wait for.
             for (int x = first.x; x < last.x && !job.cancelled(); ++x) {
                 renderer.render_pixel(picture, x, y);
             }
+            job.advance(static_cast<float>(last.x - first.x) / static_cast<float>(pixels));
         }
         if (tile_done && !job.cancelled()) {
             tile_done(cut_out(picture, first, last));
         }
-    });
+    };
+    parallel_for(job, columns * rows, render_tile, 0.0f);
     return picture;
 }
 

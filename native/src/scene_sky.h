@@ -17,9 +17,9 @@ public:
     // Radiance from a direction of unit length.
     glm::vec3 radiance(const glm::dvec3& dir) const;
 
-    // The mean radiance over the hemisphere of a normal, weighted by cosine: what a white diffuse surface answers. An image counts
-    // with its first nine spherical harmonics (Ramamoorthi and Hanrahan 2001, "An efficient representation for irradiance
-    // environment maps": within 3 % of the whole for most skies).
+    // The mean radiance over the hemisphere of a normal, weighted by cosine: what a white diffuse surface answers. An image
+    // counts with its first nine spherical harmonics (Ramamoorthi and Hanrahan 2001, "An efficient representation for
+    // irradiance environment maps": within 3 % of the whole for most skies).
     glm::vec3 ambient(const glm::vec3& normal) const;
 
 private:

@@ -124,7 +124,7 @@ inline float fetch_density(vec3 node)
     const Map& map = *fetched_map;
     const glm::ivec3& nodes = map.sdf_nodes;
     const auto density_at = [&map](std::size_t i) {
-        return std::round(255.0f * glm::clamp(0.5f - map.sdf[i] * static_cast<float>(map.sdf_nodes.x), 0.0f, 1.0f)) / 255.0f;
+        return std::nearbyint(256.0f * glm::clamp(0.5f - map.sdf[i] * static_cast<float>(map.sdf_nodes.x), 0.0f, 1.0f)) / 256.0f;
     };
     return trilinear_of(density_at, nodes.x, nodes.y, periodic_bracket(node.x, nodes.x), periodic_bracket(node.y, nodes.y),
                         clamped_bracket(node.z, nodes.z));

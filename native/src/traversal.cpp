@@ -12,7 +12,13 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named, 2> named_traversals{{{Traversal::gdm, "gdm"}, {Traversal::sdf, "sdf"}}};
+constexpr std::array<Named, 5> named_traversals{{
+    {Traversal::gdm, "gdm"},
+    {Traversal::sdf, "sdf"},
+    {Traversal::march, "march"},
+    {Traversal::slices, "slices"},
+    {Traversal::exact, "exact"},
+}};
 
 std::string choices()
 {

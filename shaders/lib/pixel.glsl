@@ -32,6 +32,8 @@ Tolerance tolerance_of(ShellParams p)
     tolerance.gdm_hit = p.tolerance.x * voxel;
     tolerance.sdf_hit = p.tolerance.y * voxel;
     tolerance.sdf_steps = int(p.tolerance.z);
+    float layers = p.tolerance.w >= 2.0f ? p.tolerance.w : p.sdf_nodes.z;
+    tolerance.slice_layers = int(clamp(layers, 2.0f, 4096.0f));
     return tolerance;
 }
 

@@ -23,7 +23,7 @@ struct Tile {
 vec4 fetch_gdm_weights(vec3 node, int group);
 vec4 fetch_gdm_eigenmaps(vec3 node, int group);
 float fetch_sdf(vec3 node);
-// The solid's share of the voxel around a node, in [0, 1]: 1/2 - distance / voxel at the nodes, 8 bits.
+// The solid's share of the voxel around a node, in [0, 1]: 1/2 - distance / voxel at the nodes, in steps of 1/256.
 float fetch_density(vec3 node);
 // The bound of a cell of the leap table in a bin of directions, tile widths; not filtered.
 float fetch_leap(vec3 cell, int bin);

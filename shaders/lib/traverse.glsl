@@ -1,23 +1,18 @@
-// Ways to find where a segment of texture space meets the tile: the paper's single lookup, and sphere tracing.
+// Ways to find where a segment of texture space meets the tile: the paper's single lookup, sphere tracing, and the choice
+// among all.
 #ifndef MESOSHELL_LIB_TRAVERSE
 #define MESOSHELL_LIB_TRAVERSE
 
+#include "segment.glsl"
 #include "tile.glsl"
+#include "traverse_march.glsl"
+#include "traverse_slices.glsl"
 
+// As mesoshell/traversal.h.
 const int TRAVERSAL_GDM = 0;
 const int TRAVERSAL_SDF = 1;
-
-struct Tolerance {
-    float gdm_hit;  // tile widths: how far from the surface the end of a GDM lookup may lie and still be a hit
-    float sdf_hit;  // tile widths: sphere tracing ends this close to the surface
-    int sdf_steps;  // at most
-};
-
-struct SegmentHit {
-    bool hit;
-    float along;  // 0 where the segment enters, 1 where it leaves
-    int fetches;  // texture instructions
-};
+const int TRAVERSAL_MARCH = 3;
+const int TRAVERSAL_SLICES = 4;
 
 // GDM paper, section 3.2: one lookup at the entry. Rays that meet nothing hold the distance to where they leave the slab
 // (section 4.1), so the end point is asked whether there is a surface.
@@ -72,6 +67,12 @@ SegmentHit traverse(int traversal, Tile tile, Tolerance tolerance, vec3 entry_te
 {
     if (traversal == TRAVERSAL_GDM) {
         return traverse_gdm(tile, tolerance, entry_texture, exit_texture);
+    }
+    if (traversal == TRAVERSAL_MARCH) {
+        return traverse_march(tile, entry_texture, exit_texture);
+    }
+    if (traversal == TRAVERSAL_SLICES) {
+        return traverse_slices(tile, tolerance, entry_texture, exit_texture);
     }
     return traverse_sdf(tile, tolerance, entry_texture, exit_texture);
 }

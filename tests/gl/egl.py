@@ -82,7 +82,7 @@ class Inputs:
             (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_RGBA16F, packing.gdm_weights(tile_map.weights))),
             (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_RGBA16F, packing.gdm_eigenmaps(tile_map.eigenmaps))),
             (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_R16F, packing.sdf_volume(tile_map.sdf))),
-            (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_R8, packing.density_volume(tile_map.sdf))),
+            (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_R16F, packing.density_volume(tile_map.sdf))),
             (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_R16F, packing.leap_table(tile_map))),
         ]
         self.block = int(GL.glGenBuffers(1))

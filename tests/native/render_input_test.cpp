@@ -72,6 +72,17 @@ TEST(RenderInput, TraversalThatDoesNotExist)
     }
 }
 
+TEST(RenderInput, ExactWithoutTheTileOfTheMap)
+{
+    const Shell shell = flat_grid(1, 1, 1.0f, 1.0f).shell(0.5f);
+    const View view = Camera(true, {0, 0, 2}, {0, 0, 0}, 0.5, {4, 4}).view();
+    expect_refusal<InvalidArgument>([&] { render_with(shell, ball_map(), view, exact_traversal); }, {"exact", "sample"});
+    Job job;
+    const Sample other = sphere({0.5f, 0.5f, 0.3f}, 0.2f, 6, 8).sample(0.625f, 1.5f);
+    expect_refusal<InvalidArgument>([&] { render(shell, ball_map(), view, settings(exact_traversal), job, &other); },
+                                    {"0.625", "1.5", "sample"});
+}
+
 TEST(RenderInput, FinsThatDoNotExist)
 {
     const Shell shell = flat_grid(1, 1, 1.0f, 1.0f).shell(0.5f);

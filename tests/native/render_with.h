@@ -8,6 +8,7 @@ namespace mesoshell {
 
 constexpr int gdm_traversal = 0;
 constexpr int sdf_traversal = 1;
+constexpr int exact_traversal = 5;
 
 inline ShellParams settings(int traversal)
 {
@@ -34,6 +35,18 @@ inline Map sdf_map(const Sample& sample, const glm::ivec3& nodes)
     map.sdf = sdf.values;
     map.precision = Precision::single;
     return map;
+}
+
+// By the traversal `exact`, which asks the tile and reads of a map only what it is a map of.
+inline Rendering render_exactly(const Shell& shell, const Sample& sample, const View& view)
+{
+    Map map;
+    map.height = sample.height();
+    map.aspect = sample.aspect();
+    map.sdf_nodes = glm::ivec3(2);
+    map.sdf.assign(8, 1.0f);
+    Job job;
+    return render(shell, map, view, settings(exact_traversal), job, &sample);
 }
 
 }  // namespace mesoshell

@@ -57,9 +57,12 @@ def sdf_volume(sdf):
 
 
 def density_volume(sdf):
-    """R8 [mz, my + 1, mx + 1, 1]: the solid's share of the voxel around each node, in steps of 1/255."""
+    """R16F [mz, my + 1, mx + 1, 1]: the solid's share of the voxel around each node, in steps of 1/256, which a half holds.
+
+    Not R8: llvmpipe interpolates 8-bit textures in 8-bit numbers, and rays then slip past edges that other drivers hit.
+    """
     density = numpy.clip(0.5 - sdf_volume(sdf) * numpy.float32(sdf.shape[2]), 0.0, 1.0)
-    return numpy.rint(density * numpy.float32(255.0)) / numpy.float32(255.0)
+    return numpy.rint(density * numpy.float32(256.0)) / numpy.float32(256.0)
 
 
 def leap_table(tile_map):

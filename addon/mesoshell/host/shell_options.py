@@ -66,6 +66,8 @@ FINS = (
 TRAVERSALS = (
     ("gdm", "GDM", "One lookup of the generalized displacement map a prism"),
     ("sdf", "SDF", "Sphere tracing of the tile's signed distance field"),
+    ("march", "March", "Steps of one voxel through the tile's density, to compare others with"),
+    ("slices", "Slices", "A stack of textured layers, as many as the density has in depth, to compare others with"),
 )
 
 # Blender's modifier has other words for the native module's choices.

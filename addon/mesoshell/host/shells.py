@@ -19,7 +19,7 @@ from . import handlers, map_cache, meshes, parts, sentences, shell_building, she
 class ShellSettings(NamedTuple):
     """What the draw code takes from the object besides shell and map."""
 
-    traversal: str  # "gdm" or "sdf"
+    traversal: str  # a name of shell_options.TRAVERSALS
     base_color: tuple  # linear RGBA
     fins: str = "exact"  # or "paper"
 
