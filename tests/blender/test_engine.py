@@ -3,6 +3,7 @@
 import shutil
 from types import SimpleNamespace
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -297,6 +298,28 @@ def test_an_animation_renders_each_frame_as_a_still(part, mail, tmp_path):
         still = rendering.render(mail.file)
         np.testing.assert_array_equal(moving["Depth"], still["Depth"])
         np.testing.assert_array_equal(moving["Combined"], still["Combined"])
+
+
+@pytest.mark.parametrize("surface", ['EVALUATED', 'CAGE'])
+def test_what_is_being_edited_is_rendered(mail, surface):
+    """In Edit mode as afterwards, of the mesh as it is edited; modifiers count that are shown there."""
+    before = rendering.render(mail.file)
+    mail.torus.mesoshell.surface, mail.torus.mesoshell.levels = surface, 1
+    cast = mail.torus.modifiers.new("Cast", 'CAST')
+    cast.factor, cast.show_in_editmode = 0.2, True
+    bpy.context.view_layer.objects.active = mail.torus
+    bpy.ops.object.mode_set(mode='EDIT')
+    try:
+        mesh = bmesh.from_edit_mesh(mail.torus.data)
+        for vertex in mesh.verts:
+            vertex.co.z *= 1.5
+        bmesh.update_edit_mesh(mail.torus.data)
+        during = rendering.render(mail.file)
+    finally:
+        bpy.ops.object.mode_set(mode='OBJECT')
+    after = rendering.render(mail.file)
+    np.testing.assert_array_equal(during["Combined"], after["Combined"])
+    assert (after[mail.index] != before[mail.index]).mean() > 0.01
 
 
 def test_a_long_animation_keeps_its_memory(mail, tmp_path):
