@@ -151,6 +151,82 @@ def test_an_orthographic_picture_in_closed_form(stage):
     np.testing.assert_allclose(picture["Combined"][..., :3], albedo * light, rtol=1e-5)
 
 
+@pytest.fixture
+def cycles(stage):
+    """What Cycles makes of the same scene, direct light alone."""
+    settings, names = stage.scene.cycles, ("samples", "use_denoising", "use_adaptive_sampling", "max_bounces")
+
+    def render():
+        with rendering.kept(stage.render, "engine"), rendering.kept(settings, *names):
+            stage.render.engine = 'CYCLES'
+            settings.samples, settings.max_bounces = 64, 0
+            settings.use_denoising = settings.use_adaptive_sampling = False
+            return rendering.render(stage.file)
+    return render
+
+
+def look_askew(camera):
+    camera.data.type = 'PERSP'
+    camera.location, camera.rotation_euler = (4.0, -4.5, 4.0), (0.98, 0.1, 0.727)
+
+
+def test_lamps_shadows_and_passes_are_as_in_cycles(stage, cycles):
+    """Of surfaces that are diffuse alone; Cycles averages normals and indices within pixels, at edges."""
+    look_askew(stage.camera)
+    stage.scene.world = None
+    ground(z=0.0, size=20.0)
+    make_cube("Block", (0.0, 0.0, 0.5), 0.5, None, 7)
+    make_cube("Second", (1.0, 1.0, 1.0), 0.3, None, 8).rotation_euler = (0.5, 0.3, 0.2)
+    make_sun((0.3, 0.9, 0.0), 0.5)
+    lamps = {'POINT': dict(shadow_soft_size=0.2), 'SPOT': dict(shadow_soft_size=0.0, spot_size=1.2, spot_blend=0.5),
+             'AREA': dict(shape='RECTANGLE', size=1.5, size_y=0.3)}
+    for place, (kind, settings) in enumerate(lamps.items()):
+        data = bpy.data.lights.new(kind, kind)
+        data.energy, data.color = 150.0, np.roll((0.2, 1.0, 0.5), place)
+        for name, value in settings.items():
+            setattr(data, name, value)
+        lamp = bpy.data.objects.new(kind, data)
+        lamp.location, lamp.rotation_euler = (-2.0, 2.0 * place - 2.0, 3.0), (0.5 - 0.5 * place, -0.5, 0.3)
+        lamp.visible_camera = False
+        stage.scene.collection.objects.link(lamp)
+    white = bpy.data.materials.new("Diffuse white")
+    white.use_nodes = True
+    nodes = white.node_tree.nodes
+    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+    white.node_tree.links.new(diffuse.outputs[0], nodes["Material Output"].inputs["Surface"])
+    for obj in stage.scene.objects:
+        if obj.type == 'MESH':
+            obj.data.materials.append(white)
+    stage.scene.mesoshell_render.samples = 64
+    ours, theirs = rendering.render(stage.file), cycles()
+    blocks = [picture["Combined"][..., :3].reshape(SIZE[1] // 8, 8, SIZE[0] // 8, 8, 3).mean(axis=(1, 3))
+              for picture in (ours, theirs)]
+    assert blocks[1].max() > 3.0 * blocks[1].min()
+    np.testing.assert_allclose(*blocks, rtol=0.04)
+    same = ours[stage.index] == theirs[stage.index]
+    assert same.mean() > 0.9 and set(np.unique(ours[stage.index])) == {1.0, 7.0, 8.0}
+    assert (abs(ours["Depth"] - theirs["Depth"]) < 0.01 * theirs["Depth"])[same].mean() > 0.99
+    assert (abs(ours["Normal"] - theirs["Normal"]).max(axis=-1) < 0.01)[same].mean() > 0.9
+
+
+def test_an_environment_image_is_seen_as_in_cycles(stage, cycles, rng):
+    look_askew(stage.camera)
+    stage.camera.rotation_euler = (1.7, 0.2, 2.5)
+    stage.camera.data.lens = 12.0
+    image = bpy.data.images.new("Sky", 16, 8, float_buffer=True)
+    pixels = rng.uniform(0.0, 1.0, (16 * 8, 4)).astype(np.float32)
+    pixels[:, 3] = 1.0
+    image.pixels.foreach_set(pixels.ravel())
+    tree = stage.scene.world.node_tree
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = image
+    tree.links.new(node.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    stage.scene.mesoshell_render.samples = 16
+    ours, theirs = (picture["Combined"][..., :3] for picture in (rendering.render(stage.file), cycles()))
+    assert theirs.std() > 0.1
+    np.testing.assert_allclose(ours, theirs, atol=0.02)
+
+
 def test_shells_and_meshes_occlude_and_shade_each_other(stage, map_file):
     """Over a plane with a shell a cube hides a square and darkens another; the shell's own shadow lies on the ground."""
     sheet = scenes.make_plane("Sheet", size=2.0)

@@ -184,7 +184,7 @@ def make_light(name, kind, rotation=(0.0, 0.0, 0.0), **settings):
 def test_lamps_shine_along_their_axis_with_their_power(part, read):
     rotation = (0.5, 0.2, 1.0)
     objects = [
-        make_light("A", 'SUN', rotation, energy=3.0, color=(1.0, 0.5, 0.25), angle=0.1),
+        make_light("A", 'SUN', rotation, energy=3.0, color=(1.0, 0.5, 0.25), angle=0.001),
         make_light("B", 'POINT', rotation, energy=100.0, shadow_soft_size=0.3),
         make_light("C", 'SPOT', rotation, energy=50.0, spot_size=1.0, spot_blend=0.4, use_shadow=False),
         make_light("D", 'AREA', rotation, energy=20.0, shape='RECTANGLE', size=2.0, size_y=0.5)]
@@ -199,7 +199,7 @@ def test_lamps_shine_along_their_axis_with_their_power(part, read):
         np.testing.assert_allclose(along / np.linalg.norm(along), turn @ Vector((0.0, 0.0, -1.0)), atol=1e-6)
         np.testing.assert_allclose(light["position"], (1.0, 2.0, 3.0))
     np.testing.assert_allclose(lights['SUN']["color"], (3.0, 1.5, 0.75), rtol=1e-6)
-    assert lights['SUN']["angle"] == pytest.approx(0.1)
+    assert lights['SUN']["angle"] == pytest.approx(0.001)
     np.testing.assert_allclose(lights['POINT']["color"], 100.0)
     assert lights['POINT']["radius"] == pytest.approx(0.3)
     spot = lights['SPOT']

@@ -4,8 +4,6 @@ import numpy as np
 
 from . import images, versions
 
-_WIDEST_SUN = 3.14  # radians: less than half of all directions, which Blender's greatest angle is
-
 
 def read(depsgraph):
     """The list of dicts that the native render_scene takes as `lights`: every visible lamp, copies by instancing too."""
@@ -58,11 +56,12 @@ def _plain(data, what, notices):
 
 def _light(data, matrix):
     """A lamp at `matrix`, whose -z it shines along."""
-    color = versions.light_color(data) * (data.energy * versions.light_exposure(data) * data.diffuse_factor)
+    power = data.energy * versions.light_exposure(data) * versions.light_gain(data) * data.diffuse_factor
+    color = versions.light_color(data) * power
     light = {"type": data.type, "position": matrix[:3, 3], "direction": -matrix[:3, 2], "color": np.maximum(color, 0.0),
              "cast_shadow": data.use_shadow}
     if data.type == 'SUN':
-        light["angle"] = min(data.angle, _WIDEST_SUN)
+        light["angle"] = min(data.angle, versions.WIDEST_SUN)
     elif data.type == 'AREA':
         axes = np.ascontiguousarray(matrix[:3, :2].T)
         sides = data.size, data.size_y if data.shape in {'RECTANGLE', 'ELLIPSE'} else data.size
@@ -70,5 +69,5 @@ def _light(data, matrix):
     else:
         light["radius"] = data.shadow_soft_size
         if data.type == 'SPOT':
-            light |= {"spot_size": data.spot_size, "spot_blend": data.spot_blend}
+            light |= {"spot_size": data.spot_size, "spot_blend": data.spot_blend, "spot_cosine": versions.SPOTS_HAVE_COSINE}
     return light
