@@ -1,5 +1,7 @@
-// mesoshell_native.render, realize, trace, eye, shell_params
+// mesoshell_native.render, realize, trace, eye, shell_params, TRAVERSALS
 #include <cstring>
+#include <string>
+#include <vector>
 
 #include "arrays.h"
 #include "mesoshell/realize.h"
@@ -180,6 +182,16 @@ PyObject* py_shell_params(PyObject* module, PyObject* args, PyObject* kwargs)
     });
 }
 
+PyObject* traversal_tuple()
+{
+    const std::vector<std::string> names = traversal_names();
+    Reference tuple = checked(PyTuple_New(static_cast<Py_ssize_t>(names.size())));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        PyTuple_SetItem(tuple.get(), static_cast<Py_ssize_t>(i), checked(PyUnicode_FromString(names[i].c_str())).release());
+    }
+    return tuple.release();
+}
+
 PyMethodDef functions[] = {
     {"render", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_render)), METH_VARARGS | METH_KEYWORDS,
      "render(shell, map, *, clip_from_object, size, traversal='sdf', settings=None, sample=None, threads=0, progress=None)\n--\n\n"
@@ -203,7 +215,9 @@ PyMethodDef functions[] = {
 
 int add_render(PyObject* module)
 {
-    return PyModule_AddFunctions(module, functions);
+    // Null with a Python error set, which AddObjectRef then leaves as it is, if there is no memory.
+    const Reference names(guarded(state_of_module(module), traversal_tuple));
+    return PyModule_AddObjectRef(module, "TRAVERSALS", names.get()) != 0 ? -1 : PyModule_AddFunctions(module, functions);
 }
 
 }  // namespace mesoshell::python

@@ -109,10 +109,12 @@ void ExactPath::find_level(const std::array<glm::dvec3, 3>& base, const std::arr
         const glm::dvec3 normal = glm::cross(base[1] + director[1] * w - p0, base[2] + director[2] * w - p0);
         return glm::dot(normal, normal);
     };
+    // At the apex of a pyramid they vanish for any ray.
+    const double least_area = 1e-9 * area_squared(0.5);
     const double steepness = largest(glm::abs(numerator_[1]) + glm::abs(numerator_[2]) * 2.0);
     double nearest = level;
     for (const double w : roots_) {
-        if (std::abs(w - 0.5) > 0.5 + level) {
+        if (std::abs(w - 0.5) > 0.5 + level || !(area_squared(w) > least_area)) {
             continue;
         }
         const double steep = largest(glm::abs(numerator_[1] + numerator_[2] * (2.0 * w)));
@@ -127,8 +129,6 @@ void ExactPath::find_level(const std::array<glm::dvec3, 3>& base, const std::arr
             level_height_ = std::clamp(w, 0.0, 1.0);
         }
     }
-    // At the apex of a pyramid they vanish for any ray.
-    level_ = level_ && area_squared(level_height_) > 1e-9 * area_squared(0.5);
 }
 
 void ExactPath::follow_height(const std::array<glm::dvec2, 3>& uv, const std::array<glm::dvec2, 3>& rise)
@@ -219,7 +219,8 @@ void ExactPath::follow_level(const std::array<glm::dvec3, 3>& base, const std::a
 
 void ExactPath::add_span(double w_low, double w_high)
 {
-    if (span_count_ == most_spans) {
+    // Not what roundings leave between roots that are one, as at an apex.
+    if (span_count_ == most_spans || w_high - w_low < 1e-13) {
         return;
     }
     // Where the offset triangle has shrunk to a point, as at the apex of a pyramid, it has no weights: begin beside it.

@@ -33,6 +33,52 @@ std::vector<BoxScene::Box> prism_boxes(const Shell& shell)
     return boxes;
 }
 
+// A ray's own axes across it, to tell quickly which prisms it passes by: of those whose boxes it meets, half.
+class RayFrame {
+public:
+    RayFrame(const glm::vec3& origin, const glm::vec3& dir) : origin_(origin), from_zero_(most(origin))
+    {
+        // Duff et al. 2017, "Building an orthonormal basis, revisited".
+        const float sign = std::copysign(1.0f, dir.z);
+        const float a = -1.0f / (sign + dir.z);
+        const float b = dir.x * dir.y * a;
+        x_ = glm::vec3(1.0f + sign * dir.x * dir.x * a, sign * b, -sign * dir.x);
+        y_ = glm::vec3(b, sign + dir.y * dir.y * a, -dir.y);
+    }
+
+    // False only where the ray passes beside the convex hull of the corners, which holds the fins: seen along the ray, they are on
+    // one side of one of four lines through it.
+    bool may_meet(const PrismTexels& prism) const
+    {
+        glm::vec4 low(std::numeric_limits<float>::infinity());
+        glm::vec4 high = -low;
+        float reach = from_zero_;
+        for (int i = 0; i < 6; ++i) {
+            const glm::vec3 corner = glm::vec3(prism[i]) - origin_;
+            const float x = glm::dot(corner, x_);
+            const float y = glm::dot(corner, y_);
+            const glm::vec4 sides(x, y, x + y, x - y);
+            low = glm::min(low, sides);
+            high = glm::max(high, sides);
+            reach = std::max(reach, most(corner));
+        }
+        // As the boxes' margin, and the rounding of coordinates so far away.
+        const glm::vec4 margin = 1e-5f * (high - low) + 2e-6f * reach;
+        return glm::all(glm::lessThanEqual(low, margin)) && glm::all(glm::greaterThanEqual(high, -margin));
+    }
+
+private:
+    static float most(const glm::vec3& vector)
+    {
+        return std::max({std::abs(vector.x), std::abs(vector.y), std::abs(vector.z)});
+    }
+
+    glm::vec3 origin_;
+    float from_zero_;
+    glm::vec3 x_;
+    glm::vec3 y_;
+};
+
 std::unique_ptr<const ExactTracer> exact_tracer(const Map& map, const ShellParams& params, const Sample* sample)
 {
     if (params.mode.x != static_cast<int>(Traversal::exact)) {
@@ -111,7 +157,11 @@ ShellTraceHit ShellTracer::State::nearest_exact(const glm::vec3& origin, const g
 {
     ExactHit nearest;
     ShellTraceHit result;
+    const RayFrame frame(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
+        if (!frame.may_meet(shell.prisms[index])) {
+            return t_before;
+        }
         const ExactHit hit = exact->nearest(shell.prisms[index], glm::dvec3(origin), glm::dvec3(dir), t_near,
                                             std::min(t_before, t_far));
         const auto t = static_cast<float>(hit.t);
@@ -143,7 +193,11 @@ ShellTraceHit ShellTracer::nearest(const glm::vec3& origin, const glm::vec3& dir
     shader::ShellHit nearest;
     nearest.hit = false;
     ShellTraceHit result;
+    const RayFrame frame(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
+        if (!frame.may_meet(state_->shell.prisms[index])) {
+            return t_before;
+        }
         const shader::ShellHit hit = shader::trace_prism(state_->prism(index), origin, dir, t_near, state_->params.mode.z,
                                                          state_->params.mode.x, state_->tile, state_->tolerance);
         result.fetches += hit.fetches;
@@ -174,8 +228,10 @@ bool ShellTracer::State::any(const glm::vec3& origin, const glm::vec3& dir, floa
                              const Meet& meet) const
 {
     bool met = false;
+    const RayFrame frame(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
-        met = met || meet(index);  // the other boxes of a leaf come too
+        // The other boxes of a leaf come too.
+        met = met || (frame.may_meet(shell.prisms[index]) && meet(index));
         return met ? -std::numeric_limits<float>::infinity() : t_before;
     };
     scene.visit_along(origin, dir, std::max(t_near, 0.0f), visit, t_far);

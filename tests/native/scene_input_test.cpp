@@ -1,6 +1,7 @@
 // What render_scene refuses, and by which words.
 #include <cmath>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <vector>
 
