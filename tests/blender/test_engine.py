@@ -111,14 +111,16 @@ def test_a_still_is_the_native_modules_picture(part, native, mail):
 
 
 def test_a_shell_covers_what_the_reference_renderer_hits(part, native, mail):
-    picture = rendering.render(mail.file)
-    frame = frame_of(part)
-    shell, = frame.arguments["shells"]
-    seen = native.render(shell["shell"], shell["map"], size=SIZE, settings=shell["settings"],
-                         clip_from_object=frame.arguments["clip_from_world"] @ shell["world_from_object"])
-    hit = seen["hit"] == 1
-    assert 500 < hit.sum() < hit.size - 500
-    assert (picture[mail.index] == 3)[hit].mean() >= 0.999 and (picture[mail.index] == 0)[~hit].mean() >= 0.999
+    """By every traversal that an object may choose."""
+    for traversal, *_ in part("host.shell_options").TRAVERSALS:
+        mail.torus.mesoshell.traversal = traversal
+        picture, frame = rendering.render(mail.file), frame_of(part)
+        shell, = frame.arguments["shells"]
+        seen = native.render(shell["shell"], shell["map"], size=SIZE, traversal=traversal,
+                             clip_from_object=frame.arguments["clip_from_world"] @ shell["world_from_object"])
+        hit = seen["hit"] == 1
+        assert 500 < hit.sum() < hit.size - 500
+        assert ((picture[mail.index] == 3) == hit).mean() >= 0.999, traversal
 
 
 def test_the_sky_is_seen_or_transparent(mail):
