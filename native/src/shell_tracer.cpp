@@ -50,6 +50,17 @@ std::unique_ptr<const ExactTracer> exact_tracer(const Map& map, const ShellParam
     return std::make_unique<const ExactTracer>(*sample);
 }
 
+// `exact` reads no map.
+MapVolumes volumes_for(const Map& map, const ShellParams& params)
+{
+    const auto traversal = static_cast<Traversal>(params.mode.x);
+    if (traversal == Traversal::exact) {
+        return {};
+    }
+    const bool dense = traversal == Traversal::march || traversal == Traversal::slices;
+    return {map, dense ? MapVolumes::Parts::sdf_and_density : MapVolumes::Parts::sdf};
+}
+
 // Tile widths that a ray must be away from a surface in order not to meet it again: what a traversal takes for the surface,
 // and half a voxel, or a whole one for a lookup between whose nodes the surface lies.
 float clear_distance(const ShellParams& params)
@@ -78,17 +89,6 @@ float tile_width_along(const shader::Prism& prism, const glm::vec3& q, const glm
     const glm::vec3 rises(glm::dot(p_q1, normal), glm::dot(p_q2, normal), glm::dot(p_w, normal));
     const float length = glm::length(glm::transpose(glm::inverse(texture_from_place)) * rises / scale);
     return std::isfinite(length) ? length : 0.0f;
-}
-
-// `exact` reads no map.
-MapVolumes volumes_for(const Map& map, const ShellParams& params)
-{
-    const auto traversal = static_cast<Traversal>(params.mode.x);
-    if (traversal == Traversal::exact) {
-        return {};
-    }
-    const bool dense = traversal == Traversal::march || traversal == Traversal::slices;
-    return {map, dense ? MapVolumes::Parts::sdf_and_density : MapVolumes::Parts::sdf};
 }
 
 }  // namespace
@@ -197,7 +197,8 @@ bool ShellTracer::State::any(const glm::vec3& origin, const glm::vec3& dir, floa
     bool met = false;
     const SeenAlong seen(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
-        met = met || (seen.may_meet(shell.prisms[index]) && meet(index));  // the other boxes of a leaf come too
+        // The other boxes of a leaf come too.
+        met = met || (seen.may_meet(shell.prisms[index]) && meet(index));
         return met ? -std::numeric_limits<float>::infinity() : t_before;
     };
     scene.visit_along(origin, dir, std::max(t_near, 0.0f), visit, t_far);
