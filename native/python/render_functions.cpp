@@ -55,7 +55,7 @@ PyObject* py_render(PyObject* module, PyObject* args, PyObject* kwargs)
         PyObject* map = nullptr;
         PyObject* clip_from_object = nullptr;
         PyObject* size = nullptr;
-        const char* traversal = "sdf";
+        const char* traversal = "refined";
         PyObject* settings = Py_None;
         PyObject* sample = Py_None;
         int threads = 0;
@@ -202,7 +202,7 @@ PyObject* traversal_tuple()
 
 PyMethodDef functions[] = {
     {"render", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_render)), METH_VARARGS | METH_KEYWORDS,
-     "render(shell, map, *, clip_from_object, size, traversal='sdf', settings=None, sample=None, threads=0, progress=None)\n--\n\n"
+     "render(shell, map, *, clip_from_object, size, traversal='refined', settings=None, sample=None, threads=0, progress=None)\n--\n\n"
      "A picture by the shader text on the CPU, as a dict of arrays [h, w, ...]; row 0 is the bottom."},
     {"realize", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_realize)), METH_VARARGS | METH_KEYWORDS,
      "realize(shell, sample, *, error=0.001, caps=True, threads=0, progress=None)\n--\n\n"

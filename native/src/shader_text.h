@@ -130,10 +130,12 @@ inline float fetch_density(vec3 node)
                         clamped_bracket(node.z, nodes.z));
 }
 
-inline float fetch_leap(vec3 cell, int bin)
+inline vec4 fetch_facets(vec3 texel)
 {
-    const Leaps& leaps = fetched_map->leaps;
-    return leaps.values[leaps.index(bin, glm::ivec3(cell))] * leap_unit;
+    const Facets& facets = fetched_map->facets;
+    const std::size_t row = static_cast<std::size_t>(texel.z) * facets.cells.y + static_cast<std::size_t>(texel.y);
+    const float* const words = facets.texels.data() + 4 * (row * facets.cells.x + static_cast<std::size_t>(texel.x));
+    return vec4(words[0], words[1], words[2], words[3]);
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ class Inputs:
             (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_RGBA16F, packing.gdm_eigenmaps(tile_map.eigenmaps))),
             (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_R16F, packing.sdf_volume(tile_map.sdf))),
             (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_R16F, packing.density_volume(tile_map.sdf))),
-            (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_R16F, packing.leap_table(tile_map))),
+            (GL.GL_TEXTURE_3D, texture(GL.GL_TEXTURE_3D, GL.GL_RGBA32F, packing.facet_volume(tile_map))),
         ]
         self.block = int(GL.glGenBuffers(1))
 
