@@ -156,6 +156,9 @@ void TriangleScene::intersect16(const std::int32_t* valid, RayPacket16& rays) co
 
 TriangleHit TriangleScene::intersect1(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar) const
 {
+    if (!is_ray(origin, dir, tnear, tfar)) {
+        return {};
+    }
     Query query(false);
     RTCRayHit ray = make_ray(origin, dir, tnear, tfar);
     trace1(handles_->scene, query, ray);
@@ -170,6 +173,9 @@ TriangleHit TriangleScene::intersect1(const glm::vec3& origin, const glm::vec3& 
 
 bool TriangleScene::occluded1(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar) const
 {
+    if (!is_ray(origin, dir, tnear, tfar)) {
+        return false;
+    }
     Query query(false);
     RTCRayHit ray = make_ray(origin, dir, tnear, tfar);
     return any1(handles_->scene, query, ray.ray);

@@ -128,6 +128,15 @@ inline void throw_on_error()
     }
 }
 
+// Whether Embree takes a ray: its debug builds, which distributions have, abort at others. What is not finite or begins this far
+// away meets nothing.
+inline bool is_ray(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar)
+{
+    constexpr float farthest = 1.8e18f;
+    return glm::all(glm::lessThanEqual(glm::abs(origin), glm::vec3(farthest))) &&
+           glm::all(glm::lessThanEqual(glm::abs(dir), glm::vec3(farthest))) && tnear <= tfar;
+}
+
 inline RTCRayHit make_ray(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar)
 {
     RTCRayHit ray;

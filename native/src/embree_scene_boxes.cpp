@@ -48,6 +48,9 @@ BoxScene::~BoxScene() = default;
 
 void BoxScene::visit_along(const glm::vec3& origin, const glm::vec3& dir, float tnear, const Visit& visit, float tfar) const
 {
+    if (!is_ray(origin, dir, tnear, tfar)) {
+        return;
+    }
     Query query(false);
     query.payload = const_cast<Visit*>(&visit);
     RTCRayHit ray = make_ray(origin, dir, tnear, tfar);

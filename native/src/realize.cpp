@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -29,7 +30,8 @@ constexpr std::size_t most_triangles = std::size_t(1) << 30;
 // Triangles of one task, welded among themselves.
 struct Part {
     VertexWeld vertices{1024};
-    RealizedMesh mesh;  // without positions
+    RealizedMesh mesh;                    // without positions
+    std::vector<glm::vec3> tile_normals;  // of every corner, before they are mapped; zero where it is none of the input's
 };
 
 PrismPoint middle_of(const PrismPoint& a, const PrismPoint& b)
@@ -45,8 +47,10 @@ PrismPoint middle_of(const PrismPoint& a, const PrismPoint& b)
 // Splits a prism's triangles until their edges follow the map, and maps them.
 class PrismMap {
 public:
-    PrismMap(const ChartPrism& prism, const Sample& sample, const Tile& tile, double most_off, Part& part)
-        : prism_(prism), sample_(sample), tile_(tile), most_off_(most_off), part_(part)
+    PrismMap(const ChartPrism& prism, const Sample& sample, const Tile& tile, const RealizeOptions& options,
+             double tile_width, Part& part)
+        : prism_(prism), sample_(sample), tile_(tile), most_off_(options.error * tile_width), normals_(options.normals),
+          part_(part)
     {
         // Sums run in the order of the shell's vertices, so that both prisms at a fin round alike; the third term is 0
         // there.
@@ -165,12 +169,79 @@ private:
             part_.mesh.texture.emplace_back(place);
             part_.mesh.weights.push_back(source_weights(place));
         }
+        if (!normals_.empty()) {
+            add_normals(t, turn, corners);
+        }
+    }
+
+    void add_normals(const std::array<PrismPoint, 3>& t, const std::array<int, 3>& turn, const glm::uvec3& corners)
+    {
+        const std::vector<glm::vec3>& p = part_.vertices.positions;
+        const glm::dvec3 a(p[corners.x]);
+        const glm::dvec3 face = unit(glm::cross(glm::dvec3(p[corners.y]) - a, glm::dvec3(p[corners.z]) - a));
+        const TileSource& source = tile_.sources[triangle_->tile_triangle];
+        if (triangle_->cap || !source.parallel) {
+            part_.mesh.normals.insert(part_.mesh.normals.end(), 3, glm::vec3(face));
+            part_.tile_normals.insert(part_.tile_normals.end(), 3, glm::vec3(0.0f));
+            return;
+        }
+        std::array<glm::dvec3, 3> mapped;
+        std::array<glm::dvec3, 3> given;
+        double side = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            const glm::dvec2 weights(part_.mesh.weights[part_.mesh.weights.size() - 3 + static_cast<std::size_t>(i)]);
+            const glm::vec3* corner = &normals_[3 * static_cast<std::size_t>(source.triangle)];
+            given[i] = unit(glm::dvec3(corner[0]) * (1.0 - weights.x - weights.y) + glm::dvec3(corner[1]) * weights.x +
+                            glm::dvec3(corner[2]) * weights.y);
+            mapped[i] = unit(cofactors(t[turn[i]]) * given[i]);
+            side += glm::dot(mapped[i], face);
+        }
+        // Repair may have turned the tile's triangle over, and mirrored UVs turn the prism.
+        const double sign = side < 0.0 ? -1.0 : 1.0;
+        for (int i = 0; i < 3; ++i) {
+            part_.mesh.normals.emplace_back(mapped[i] * sign);
+            part_.tile_normals.emplace_back(given[i] * sign);
+        }
+    }
+
+    static glm::dvec3 unit(const glm::dvec3& v)
+    {
+        const double length = glm::length(v);
+        return length > 0.0 ? v / length : v;
+    }
+
+    // Of the map's derivative by metric texture coordinates: what normals are mapped by.
+    glm::dmat3 cofactors(const PrismPoint& p) const
+    {
+        std::array<glm::dvec3, 3> column;
+        std::array<glm::dvec2, 3> uv;
+        glm::dvec3 by_w(0.0);
+        glm::dvec2 slant(0.0);
+        for (int i = 0; i < 3; ++i) {
+            const ChartCorner& c = prism_.corners[i];
+            const glm::dvec2 change = glm::dvec2(c.uv_top - c.uv) / static_cast<double>(one_tile);
+            column[i] = c.base + c.rise * p.w;
+            uv[i] = glm::dvec2(c.uv - prism_.corners[0].uv) / static_cast<double>(one_tile) + change * p.w;
+            by_w += c.rise * p.weight[i];
+            slant += change * p.weight[i];
+        }
+        const glm::dvec2 e1 = uv[1] - uv[0];
+        const glm::dvec2 e2 = uv[2] - uv[0];
+        const double area = e1.x * e2.y - e1.y * e2.x;
+        const glm::dvec3 f1 = column[1] - column[0];
+        const glm::dvec3 f2 = column[2] - column[0];
+        const glm::dvec3 by_u = (f1 * e2.y - f2 * e1.y) / area;
+        const glm::dvec3 by_v = (f2 * e1.x - f1 * e2.x) / area;
+        by_w = (by_w - by_u * slant.x - by_v * slant.y) / static_cast<double>(sample_.height());
+        const glm::dvec3 by_y = by_v / static_cast<double>(sample_.aspect());
+        return glm::dmat3(glm::cross(by_y, by_w), glm::cross(by_w, by_u), glm::cross(by_u, by_y));
     }
 
     const ChartPrism& prism_;
     const Sample& sample_;
     const Tile& tile_;
     double most_off_;
+    std::span<const glm::vec3> normals_;
     Part& part_;
     std::array<int, 3> order_{0, 1, 2};
     const PrismTriangle* triangle_ = nullptr;
@@ -240,6 +311,35 @@ void append(std::vector<T>& all, std::vector<T>& more)
     more = {};
 }
 
+// Corners at one vertex whose normals are one in the tile get one normal.
+void smooth_normals(RealizedMesh& mesh, const std::vector<glm::vec3>& tile_normals)
+{
+    constexpr float least_share = 0.999f;  // of its length that the sum of unit vectors must have
+    struct Sum {
+        glm::vec3 tile{0.0f};
+        glm::vec3 mapped{0.0f};
+        float count = 0.0f;
+    };
+    std::vector<Sum> sums(mesh.positions.size());
+    const auto each_corner = [&](const auto& visit) {
+        for (std::size_t i = 0; i < tile_normals.size(); ++i) {
+            if (tile_normals[i] != glm::vec3(0.0f)) {
+                visit(sums[mesh.triangles[i / 3][static_cast<int>(i % 3)]], i);
+            }
+        }
+    };
+    each_corner([&](Sum& sum, std::size_t i) {
+        sum.tile += tile_normals[i];
+        sum.mapped += mesh.normals[i];
+        sum.count += 1.0f;
+    });
+    each_corner([&](const Sum& sum, std::size_t i) {
+        if (glm::length(sum.tile) > least_share * sum.count && glm::length(sum.mapped) > 0.5f * sum.count) {
+            mesh.normals[i] = glm::normalize(sum.mapped);
+        }
+    });
+}
+
 RealizedMesh join(std::vector<Part>& parts, Job& job)
 {
     std::size_t triangles = 0;
@@ -260,6 +360,7 @@ RealizedMesh join(std::vector<Part>& parts, Job& job)
     mesh.prism.reserve(triangles);
     VertexWeld weld(vertices);
     std::vector<std::uint32_t> index;
+    std::vector<glm::vec3> tile_normals;
     for (Part& part : parts) {
         job.throw_if_cancelled();
         index.clear();
@@ -272,10 +373,13 @@ RealizedMesh join(std::vector<Part>& parts, Job& job)
         part.vertices = VertexWeld(0);
         append(mesh.texture, part.mesh.texture);
         append(mesh.weights, part.mesh.weights);
+        append(mesh.normals, part.mesh.normals);
+        append(tile_normals, part.tile_normals);
         append(mesh.source, part.mesh.source);
         append(mesh.prism, part.mesh.prism);
     }
     mesh.positions = std::move(weld.positions);
+    smooth_normals(mesh, tile_normals);
     return mesh;
 }
 
@@ -285,6 +389,10 @@ RealizedMesh realize(const Shell& shell, const Sample& sample, const RealizeOpti
 {
     if (!(options.error > 0.0f) || !std::isfinite(options.error)) {
         throw InvalidArgument("error is " + std::to_string(options.error) + "; give a positive number of tile widths");
+    }
+    if (!options.normals.empty() && options.normals.size() != 3 * sample.input_triangles().size()) {
+        throw InvalidArgument("there are " + std::to_string(options.normals.size()) + " normals; give three a triangle, " +
+                              std::to_string(3 * sample.input_triangles().size()));
     }
     job.throw_if_cancelled();
     const Charts charts = charts_of(shell, sample.aspect());
@@ -316,7 +424,7 @@ RealizedMesh realize(const Shell& shell, const Sample& sample, const RealizeOpti
             if (options.caps) {
                 clip.cap_open_fins();
             }
-            PrismMap map(prism, sample, tile, options.error * charts.tile_width, parts[static_cast<std::size_t>(task)]);
+            PrismMap map(prism, sample, tile, options, charts.tile_width, parts[static_cast<std::size_t>(task)]);
             for (const PrismTriangle& t : clip.triangles()) {
                 map.add(t);
             }

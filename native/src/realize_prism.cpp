@@ -185,7 +185,7 @@ void PrismClip::add(const Tile& tile, std::uint32_t triangle, const glm::ivec2& 
         }
     }
     for (std::size_t i = 2; i < count; ++i) {
-        triangles_.push_back({{points[0], points[i - 1], points[i]}, triangle, copy});
+        triangles_.push_back({{points[0], points[i - 1], points[i]}, triangle, copy, false});
     }
 }
 
@@ -405,7 +405,7 @@ void PrismClip::cap_fin(int fin, std::span<const Cut> cuts)
     // The cap shows what the tile has beside it.
     const Cut& beside = cuts.front();
     for (const glm::uvec3& t : fill_region(points, segments)) {
-        triangles_.push_back({{places[t.x], places[t.y], places[t.z]}, beside.tile_triangle, beside.copy});
+        triangles_.push_back({{places[t.x], places[t.y], places[t.z]}, beside.tile_triangle, beside.copy, true});
     }
 }
 

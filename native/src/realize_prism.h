@@ -22,6 +22,7 @@ struct PrismTriangle {
     std::array<PrismPoint, 3> corners;
     std::uint32_t tile_triangle = 0;
     glm::ivec2 copy{0};  // whole tiles by which that triangle is moved
+    bool cap = false;    // of a fin
 };
 
 // Clips triangles of the tile to a prism. Which corner, edge or triangle of the tile lies on which side of the prism's

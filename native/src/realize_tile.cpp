@@ -331,11 +331,11 @@ private:
 // from one. Caps show what is near.
 void find_sources(const Sample& sample, Tile& tile, Job& job)
 {
-    constexpr float reach = 1.0f;
+    constexpr double least_cosine = 0.99;
     const glm::vec2 period(1.0f, sample.aspect());
     const float farthest = 4.0f * (1.0f + sample.aspect() + sample.height() + static_cast<float>(most_height));
     const TriangleScene scene(sample.input_positions(), sample.input_triangles(),
-                              lattice_within(sample.input_positions(), sample.aspect(), reach * (1.0f + sample.aspect())));
+                              lattice_within(sample.input_positions(), sample.aspect(), 1.0f + sample.aspect()));
     tile.sources.resize(tile.triangles.size());
     constexpr int per_task = 256;
     const int count = static_cast<int>(tile.triangles.size());
@@ -352,8 +352,16 @@ void find_sources(const Sample& sample, Tile& tile, Job& job)
             const glm::vec3 point = p[source.x] + nearest.weights.x * (p[source.y] - p[source.x]) +
                                     nearest.weights.y * (p[source.z] - p[source.x]);
             const glm::dvec2 apart = glm::dvec2(period) * tiles - glm::dvec2(point);
-            tile.sources[static_cast<std::size_t>(i)] = {nearest.triangle,
-                                                         glm::vec2(glm::round(apart / glm::dvec2(period))) * period};
+            const glm::dvec3 scale(glm::dvec2(period) / static_cast<double>(one_tile), sample.height());
+            const auto along = [&](int k) {
+                return glm::dvec3(glm::dvec2(t[k].uv - t[0].uv), t[k].w - t[0].w) * scale;
+            };
+            const glm::dvec3 own = glm::cross(along(1), along(2));
+            const glm::dvec3 theirs = glm::cross(glm::dvec3(p[source.y]) - glm::dvec3(p[source.x]),
+                                                 glm::dvec3(p[source.z]) - glm::dvec3(p[source.x]));
+            tile.sources[static_cast<std::size_t>(i)] = {
+                nearest.triangle, glm::vec2(glm::round(apart / glm::dvec2(period))) * period,
+                std::abs(glm::dot(own, theirs)) > least_cosine * glm::length(own) * glm::length(theirs)};
         }
     }, 0.0f);
 }

@@ -23,6 +23,7 @@ struct TileCorner {
 struct TileSource {
     std::uint32_t triangle = 0;  // of Sample::input_triangles
     glm::vec2 offset{0.0f};      // metric, whole periods: the input triangle's copy that lies here
+    bool parallel = false;       // to that triangle: it is as smooth as that is
 };
 
 // Triangles whose copies by whole tiles meet in equal corners, edge to edge: a chain without boundary, but for what lies in

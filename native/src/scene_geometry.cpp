@@ -121,8 +121,8 @@ WorldHit SceneGeometry::nearest(const WorldRay& ray, int& fetches) const
         nearest.t = found.t;
         nearest.position = ray.origin + ray.dir * nearest.t;
         const glm::dvec3 largest = glm::abs(nearest.position) + glm::abs(ray.origin);
-        nearest.above =
-            nearest.position + glm::dvec3(found.flat_normal) * (hit_rounding * (largest.x + largest.y + largest.z));
+        const double rounding = hit_rounding * (largest.x + largest.y + largest.z);
+        nearest.above = nearest.position + glm::dvec3(found.lift) + glm::dvec3(found.flat_normal) * rounding;
         nearest.normal = found.normal;
         nearest.base_color = found.base_color;
         nearest.object_index = found.object_index;

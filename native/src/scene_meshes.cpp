@@ -15,15 +15,30 @@ glm::vec3 unit_or(const glm::vec3& vector, const glm::vec3& otherwise)
     return size > 0.0f ? vector / size : otherwise;
 }
 
-glm::vec3 smooth_normal(const SceneMesh& mesh, std::uint32_t triangle, const glm::vec2& weights)
+struct SmoothPlace {
+    glm::vec3 normal{0.0f};  // not of unit length
+    glm::vec3 lift{0.0f};
+};
+
+// Where a triangle's corners have normals, and toward which side.
+SmoothPlace smooth_place(const SceneMesh& mesh, std::uint32_t triangle, const glm::vec2& weights, float side)
 {
     const bool corners = mesh.normals.size() != mesh.positions.size();
-    std::array<glm::vec3, 3> normals;
+    const std::array<float, 3> shares{1.0f - weights.x - weights.y, weights.x, weights.y};
+    const glm::uvec3& vertices = mesh.triangles[triangle];
+    glm::vec3 point(0.0f);
     for (int i = 0; i < 3; ++i) {
-        const std::size_t place = corners ? 3 * static_cast<std::size_t>(triangle) + i : mesh.triangles[triangle][i];
-        normals[i] = unit_or(mesh.normals[place], glm::vec3(0.0f));
+        point += mesh.positions[vertices[i]] * shares[i];
     }
-    return normals[0] * (1.0f - weights.x - weights.y) + normals[1] * weights.x + normals[2] * weights.y;
+    SmoothPlace place;
+    for (int i = 0; i < 3; ++i) {
+        const std::size_t row = corners ? 3 * static_cast<std::size_t>(triangle) + i : vertices[i];
+        const glm::vec3 normal = unit_or(mesh.normals[row], glm::vec3(0.0f)) * side;
+        place.normal += normal * shares[i];
+        // Hanika 2021, "Hacking the shadow terminator": out of the planes that the normals span, as the round surface is.
+        place.lift -= normal * (shares[i] * std::min(glm::dot(point - mesh.positions[vertices[i]], normal), 0.0f));
+    }
+    return place;
 }
 
 }  // namespace
@@ -58,15 +73,18 @@ MeshHit MeshSet::nearest(const glm::vec3& origin, const glm::vec3& dir, float t_
     const std::uint32_t triangle = found.triangle - first_[place];
     hit.t = found.t;
     hit.flat_normal = unit_or(found.normal, -dir);
-    hit.normal =
-        mesh.normals.empty() ? hit.flat_normal : unit_or(smooth_normal(mesh, triangle, found.weights), hit.flat_normal);
-    // Both sides look alike, as in Cycles: the smooth normal belongs to the side that its own triangle's points to.
-    if (glm::dot(hit.normal, hit.flat_normal) < 0.0f) {
-        hit.normal = -hit.normal;
-    }
     if (glm::dot(hit.flat_normal, dir) > 0.0f) {
         hit.flat_normal = -hit.flat_normal;
-        hit.normal = -hit.normal;
+    }
+    hit.normal = hit.flat_normal;
+    if (!mesh.normals.empty()) {
+        // Both sides look alike, as in Cycles: normals are those of the side that is seen.
+        SmoothPlace place = smooth_place(mesh, triangle, found.weights, 1.0f);
+        if (glm::dot(place.normal, hit.flat_normal) < 0.0f) {
+            place = smooth_place(mesh, triangle, found.weights, -1.0f);
+        }
+        hit.normal = unit_or(place.normal, hit.flat_normal);
+        hit.lift = place.lift;
     }
     hit.base_color = mesh.colors.empty() ? mesh.base_color : mesh.colors[triangle];
     hit.object_index = mesh.object_index;

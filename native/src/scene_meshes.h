@@ -18,6 +18,7 @@ struct MeshHit {
     float t = 0.0f;
     glm::vec3 flat_normal{0.0f};  // both of unit length and toward the origin of the ray
     glm::vec3 normal{0.0f};       // the flat one, or interpolated
+    glm::vec3 lift{0.0f};         // to the round surface that smooth normals stand for, so that its facets do not shade it
     glm::vec3 base_color{0.0f};
     std::int32_t object_index = -1;
 };

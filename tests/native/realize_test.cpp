@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "camera.h"
 #include "check.h"
@@ -232,6 +233,56 @@ TEST(Realize, TopWithMovedUvsShearsTheSolid)
         ASSERT_LT(glm::length(from), 0.2f + 1e-5f);
         ASSERT_GT(glm::length(from), 0.2f * std::cos(3.14159f / 12) * std::cos(3.14159f / 16) - 1e-5f);
     }
+}
+
+TEST(Realize, NormalsTurnAsPlanesDo)
+{
+    // Normals of a ball about its center, and a shell that stretches the tile by 2 in height and shears it: what is constant
+    // along a plane of the tile has the gradient (f_u, f_v, f_w / 2 + the shear's share) in space.
+    const glm::vec3 center(0.5f, 0.5f, 0.25f);
+    const Mesh ball = sphere(center, 0.2f, 12, 16);
+    std::vector<glm::vec3> normals;
+    for (const glm::uvec3& t : ball.triangles) {
+        for (int i = 0; i < 3; ++i) {
+            normals.push_back(glm::normalize(ball.positions[t[i]] - center));
+        }
+    }
+    RealizeOptions options;
+    options.normals = normals;
+    const glm::vec2 shift(0.25f, -0.125f);
+    Job job;
+    for (const bool mirrored : {false, true}) {
+        SurfaceMesh surface = flat_grid(2, 2, 2.0f, 2.0f);
+        for (glm::vec2& uv : surface.uvs) {
+            uv.x = mirrored ? -uv.x : uv.x;
+        }
+        const RealizedMesh mesh = realize(slanted(surface, 1.0f, shift), ball.sample(0.5f), options, job);
+        ASSERT_EQ(mesh.normals.size(), 3 * mesh.triangles.size());
+        int smooth = 0;
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const glm::dvec3 a = corner(mesh, mesh.triangles[i], 0);
+            const glm::dvec3 face =
+                glm::cross(corner(mesh, mesh.triangles[i], 1) - a, corner(mesh, mesh.triangles[i], 2) - a);
+            for (int k = 0; k < 3; ++k) {
+                const glm::dvec3 normal(mesh.normals[3 * i + static_cast<std::size_t>(k)]);
+                ASSERT_NEAR(glm::length(normal), 1.0, 1e-5);
+                const glm::dvec3 texture(mesh.texture[3 * i + static_cast<std::size_t>(k)]);
+                const glm::dvec2 tile = glm::dvec2(texture) - glm::floor(glm::dvec2(texture));
+                const glm::dvec3 f = glm::normalize(glm::dvec3(tile, texture.z * 0.5) - glm::dvec3(center));
+                const double sheared = 0.5 * f.z + f.x * shift.x + f.y * shift.y;
+                const glm::dvec3 expected = glm::normalize(glm::dvec3(mirrored ? -f.x : f.x, f.y, sheared));
+                // Between a facet's corners the mean of unit normals is not quite the direction from the center.
+                if (glm::length(face) > 1e-7) {
+                    ASSERT_GT(glm::dot(normal, expected), 0.999) << i;
+                    smooth += 1;
+                }
+            }
+        }
+        EXPECT_GT(smooth, 3000);
+    }
+    options.normals = std::span(normals).first(5);
+    expect_refusal<InvalidArgument>([&] { realize(flat_grid(1, 1, 1, 1).shell(0.5f), ball.sample(0.5f), options, job); },
+                                    {"5 normals", "three a triangle"});
 }
 
 TEST(Realize, TopWithLargerUvsTapersTheSolid)

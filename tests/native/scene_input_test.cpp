@@ -1,6 +1,7 @@
 // What render_scene refuses, and by which words.
 #include <cmath>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <vector>
 
@@ -138,6 +139,31 @@ TEST(SceneInput, NothingAtAll)
     }
     film.transparent = true;
     EXPECT_EQ(render_scene_with({}, film).color[0], glm::vec4(0.0f));
+}
+
+TEST(SceneInput, WhatIsTooFarForSinglePrecisionIsNotSeen)
+{
+    // Embree's debug builds abort at rays from so far away.
+    for (const double scale : {1e-30, 1e-20, 1e20, 1e30}) {
+        Scene scene;
+        scene.shells.push_back(placed(shell(), ball_map()));
+        for (int i = 0; i < 3; ++i) {
+            scene.shells[0].world_from_object[i] *= scale;
+        }
+        scene.shells[0].world_from_object[3] = glm::dvec4(0.0, 0.0, scale, 1.0);
+        scene.meshes.push_back(placed(mesh()));
+        scene.meshes[0].object_index = 1;
+        SceneLight light;
+        light.type = LightType::point;
+        light.position = glm::dvec3(0.0, 0.0, 1e30);
+        scene.lights = {light, SceneLight{}};
+        const ScenePicture picture = render_scene_with(scene, small_film());
+        for (int i = 0; i < 16; ++i) {
+            const bool floor = i % 4 >= 2 && i / 4 >= 2;
+            ASSERT_EQ(picture.index[i], floor ? 1 : -1) << scale;
+            ASSERT_TRUE(std::isfinite(picture.color[i].r));
+        }
+    }
 }
 
 TEST(SceneInput, DegenerateMeshesAreNotSeen)

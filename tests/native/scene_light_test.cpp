@@ -205,6 +205,38 @@ TEST(SceneLight, ShadowOfAMeshOnAMesh)
     EXPECT_EQ(render_scene_with(scene, film_of(above())).color, alone.color);
 }
 
+TEST(SceneLight, FacetsDoNotShadeWhatTheirNormalsMakeRound)
+{
+    const Mesh ball = sphere({0.1f, 0.2f, -0.3f}, 1.0f, 6, 8);
+    std::vector<glm::vec3> normals;
+    for (const glm::vec3& position : ball.positions) {
+        normals.push_back(position - glm::vec3(0.1f, 0.2f, -0.3f));
+    }
+    std::vector<glm::vec3> inward(normals);
+    for (glm::vec3& normal : inward) {
+        normal *= -2.0f;
+    }
+    Scene scene;
+    scene.meshes.push_back(placed(ball));
+    scene.lights.push_back(sun({-0.9, 0.4, -0.5}, 3.0f));
+    const Film film = film_of(Camera(true, {2.0, -2.5, 1.5}, {0, 0, 0}, 0.5, {96, 96}));
+    const auto dark = [&](const std::vector<glm::vec3>& given) {
+        scene.meshes[0].normals = given;
+        scene.lights[0].cast_shadow = true;
+        const ScenePicture shadowed = render_scene_with(scene, film);
+        scene.lights[0].cast_shadow = false;
+        const ScenePicture lit = render_scene_with(scene, film);
+        int count = 0;
+        for (std::size_t i = 0; i < lit.color.size(); ++i) {
+            count += lit.color[i].r > 0.02f && shadowed.color[i].r == 0.0f ? 1 : 0;
+        }
+        return count;
+    };
+    EXPECT_EQ(dark(normals), 0);
+    // Normals toward the other side are those of the side that is seen.
+    EXPECT_EQ(dark(inward), 0);
+}
+
 // --- Shells ---
 
 constexpr float slab_below = 0.15f;

@@ -1,8 +1,6 @@
 // What the tests of scenes share: their parts in a few words.
 #pragma once
 
-#include <initializer_list>
-
 #include "camera.h"
 #include "mesoshell/scene.h"
 #include "meshes.h"

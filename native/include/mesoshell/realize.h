@@ -22,14 +22,19 @@ struct RealizeOptions {
     // Close the solid where the slab cuts it at w = 0 and w = 1, and where the pattern ends, at the border of the shell and
     // at seams that cut it. Without, it is open there.
     bool caps = true;
+    // Three a triangle of Sample::input_triangles, unit length: how its corners are shaded. Empty: none are made.
+    std::span<const glm::vec3> normals;
 };
 
 struct RealizedMesh {
-    std::vector<glm::vec3> positions;  // object space; no two are equal
+    std::vector<glm::vec3> positions;   // object space; no two are equal
     std::vector<glm::uvec3> triangles;  // counterclockwise seen from outside
-    // One a triangle's corner.
-    std::vector<glm::vec3> texture;        // (u, v, w): tiles, as the prism's UVs count them, and height
-    std::vector<glm::vec2> weights;        // in the source triangle, of its corners b and c; a has the rest
+    // Three a triangle.
+    std::vector<glm::vec3> texture;  // (u, v, w): tiles, as the prism's UVs count them, and height
+    std::vector<glm::vec2> weights;  // in the source triangle, of its corners b and c; a has the rest
+    // Unit length, where RealizeOptions has normals: the input's by the inverse transpose of the map's Jacobian, one for all
+    // corners at a vertex where they are one in the tile, though the map has a kink at a fin. Caps have their faces'.
+    std::vector<glm::vec3> normals;
     // One a triangle.
     std::vector<std::uint32_t> source;  // of Sample::input_triangles: what it shows; at caps, what is near
     std::vector<std::uint32_t> prism;
@@ -44,7 +49,7 @@ struct RealizedMesh {
 // first, and a few small holes may be left where one of its edges passes a prism's column very near. open_edges counts what
 // is open.
 //
-// Throws InvalidArgument for options out of range, UVs that span more than 4096 tiles in a prism, a prism whose UVs turn
+// Throws InvalidArgument for options out of range or of a wrong count, UVs that span more than 4096 tiles in a prism, a prism whose UVs turn
 // over between base and top, and a result of more than 2^30 triangles; Cancelled.
 RealizedMesh realize(const Shell& shell, const Sample& sample, const RealizeOptions& options, Job& job);
 inline RealizedMesh realize(const Shell& shell, const Sample& sample, Job& job)

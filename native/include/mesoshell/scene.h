@@ -121,7 +121,8 @@ using TileDone = std::function<void(SceneTile)>;
 // pixel has 16. Random numbers depend on pixel, sample and seed alone: threads and tiles change no bit.
 //
 // A shadow ray starts half a voxel above a shell's surface, beyond the traversal's tolerance and what the chord of a prism
-// errs there (two and a half voxels for `gdm`), so contact shadows begin that far away.
+// errs there (two and a half voxels for `gdm`, a thousandth of a tile width for `exact`), so contact shadows begin that far
+// away. Of a mesh with smooth normals it starts on the round surface that they stand for.
 //
 // Throws InvalidArgument for what is not finite, out of range or of counts that do not fit, naming it ("meshes[2]: ..."),
 // for a map without a distance field and `exact` without a sample; Cancelled.
