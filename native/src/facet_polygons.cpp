@@ -57,6 +57,14 @@ void measure(FacetPolygon& polygon)
 
 FacetPolygon clipped_to(const FacetPolygon& polygon, const FacetBox& box)
 {
+    for (int axis = 0; axis < 3; ++axis) {
+        const double low = box.lower[axis] - margin * box.side[axis];
+        const double high = box.lower[axis] + (1.0 + margin) * box.side[axis];
+        const auto beyond = [&](const auto& is_out) { return std::all_of(polygon.corners.begin(), polygon.corners.end(), is_out); };
+        if (beyond([&](const glm::dvec3& c) { return c[axis] < low; }) || beyond([&](const glm::dvec3& c) { return c[axis] > high; })) {
+            return {};
+        }
+    }
     FacetPolygon part = polygon;
     for (int axis = 0; axis < 3 && !part.corners.empty(); ++axis) {
         part.corners = clipped(part.corners, axis, box.lower[axis] - margin * box.side[axis], 1.0);

@@ -13,8 +13,10 @@ const int MOST_SPANS = 4;
 const int FINS_EXACT = 0;   // bilinear patches
 const int FINS_PAPER = 1;  // two planes each, as in the paper
 
-// How far a chord may lie from the ray's curve, in voxels of the distance field.
+// How far a chord may lie from the ray's curve: in voxels of the distance field or, where a traversal reads more exact facets,
+// in cells of these.
 const float CHORD_VOXELS = 0.25f;
+const float CHORD_CELLS = 0.0625f;
 
 struct ShellHit {
     bool hit;
@@ -76,7 +78,9 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
         }
         int pieces = 1;
         if (follows_curve(traversal) && !path.level) {
-            pieces = curve_pieces(prism, path, span, tile.scale, CHORD_VOXELS / tile.sdf_nodes.x);
+            bool by_cells = traversal == TRAVERSAL_REFINED && tile.facet_cells.x > 0.0f;
+            float most = by_cells ? CHORD_CELLS / tile.facet_cells.x : CHORD_VOXELS / tile.sdf_nodes.x;
+            pieces = curve_pieces(prism, path, span, tile.scale, most);
         }
         vec3 q_in = span.q_in;
         vec3 entry_texture = prism_texture(prism, q_in);

@@ -74,7 +74,7 @@ SegmentHit traverse(int traversal, Tile tile, Tolerance tolerance, vec3 entry_te
     }
     // A map without facets has sphere tracing to fall back on.
     if (traversal == TRAVERSAL_REFINED && tile.facet_cells.x > 0.0f) {
-        return traverse_refined(tile, tolerance, entry_texture, exit_texture);
+        return traverse_refined(tile, entry_texture, exit_texture);
     }
     if (traversal == TRAVERSAL_MARCH) {
         return traverse_march(tile, entry_texture, exit_texture);

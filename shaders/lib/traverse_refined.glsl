@@ -1,4 +1,9 @@
-// Mesoshell's own traversal: from cell to cell of the facets, past as many empty ones as a texel knows of.
+// `refined`, Mesoshell's own traversal: from cell to cell of the facets, past as many empty ones as a texel knows of.
+//
+// Nothing converges: where a cell holds planes, the hit is where the segment is first behind them, exactly; a segment that
+// comes into the solid elsewhere, where the planes of two cells leave a gap, is hit there.
+//
+// Fetches: one a box of empty cells, one a cell with planes, two or more a cell that is split.
 #ifndef MESOSHELL_LIB_TRAVERSE_REFINED
 #define MESOSHELL_LIB_TRAVERSE_REFINED
 
@@ -99,7 +104,10 @@ SegmentHit traverse_parts(Tile tile, vec4 texel, vec3 cell, vec3 start, vec3 way
     return result;
 }
 
-SegmentHit traverse_refined(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture)
+// A segment that meets more cells ends there: one through a degenerate prism may have any length.
+const int MOST_CELLS = 1024;
+
+SegmentHit traverse_refined(Tile tile, vec3 entry_texture, vec3 exit_texture)
 {
     SegmentHit result;
     result.hit = false;
@@ -113,7 +121,7 @@ SegmentHit traverse_refined(Tile tile, Tolerance tolerance, vec3 entry_texture, 
     vec3 way = (exit_texture - entry_texture) * cells;
     vec3 cell = floor(start);
     cell.z = clamp(cell.z, 0.0f, cells.z - 1.0f);
-    while (result.fetches < tolerance.sdf_steps) {
+    for (int step = 0; step < MOST_CELLS; ++step) {
         vec3 copy = vec3(floor(cell.x / cells.x), floor(cell.y / cells.y), 0.0f) * cells;
         vec4 texel = fetch_facets(clamp(cell - copy, vec3(0.0f), cells - vec3(1.0f)));
         result.fetches += 1;

@@ -205,7 +205,7 @@ TEST(JobFraction, BakeSdf)
 
 TEST(JobFraction, BakeFacets)
 {
-    check_fraction([](Job& job) { bake_facets(ball().sample(0.6f), 8, job); });
+    check_fraction([](Job& job) { bake_facets(ball().sample(0.6f), 4, job); });
 }
 
 TEST(JobFraction, ClosestPoints)
