@@ -12,7 +12,7 @@ from tiles import chain
 TILE_HEIGHT = 0.5
 
 # Every traversal that the draw program has, by its number in the uniform block: all are held to the reference renderer.
-TRAVERSALS = {"gdm": 0, "sdf": 1, "march": 3, "slices": 4}
+TRAVERSALS = {"gdm": 0, "sdf": 1, "refined": 2, "march": 3, "slices": 4}
 
 
 @cache
@@ -27,7 +27,8 @@ def chain_map(native, layout="nodes", precision="byte"):
     """A small Map of the chain-mail tile; a number of terms that leaves the last group of four not full."""
     sample = chain_sample(native)
     gdm = native.bake_gdm(sample, resolution=(32, 24, 16), directions=(10, 14))
-    return native.compress(gdm, sdf=native.bake_sdf(sample, resolution=(48, 40, 25)), layout=layout,
+    return native.compress(gdm, sdf=native.bake_sdf(sample, resolution=(48, 40, 25)),
+                           facets=native.bake_facets(sample, cells=24), layout=layout,
                            precision=precision, terms=41 if layout == "nodes" else 15)
 
 

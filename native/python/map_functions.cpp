@@ -16,7 +16,7 @@ namespace {
 // What compress and bake_map have in common.
 struct CompressArguments {
     PyObject* sdf = Py_None;
-    PyObject* leaps = Py_None;
+    PyObject* facets = Py_None;
     PyObject* attributes = Py_None;
     PyObject* terms = Py_None;
     PyObject* max_rmse = Py_None;
@@ -61,21 +61,21 @@ PyObject* py_compress(PyObject* module, PyObject* args, PyObject* kwargs)
 {
     ModuleState& state = state_of_module(module);
     return guarded(state, [&]() -> PyObject* {
-        static const char* names[] = {"gdm",    "sdf",       "leaps",   "attributes", "terms", "max_rmse",
+        static const char* names[] = {"gdm",    "sdf",       "facets",   "attributes", "terms", "max_rmse",
                                       "layout", "precision", "threads", "progress",   nullptr};
         PyObject* gdm = nullptr;
         CompressArguments arguments;
         int threads = 0;
         PyObject* progress = nullptr;
         if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOOOOssiO:compress", const_cast<char**>(names), state.gdm_type, &gdm,
-                                         &arguments.sdf, &arguments.leaps, &arguments.attributes, &arguments.terms,
+                                         &arguments.sdf, &arguments.facets, &arguments.attributes, &arguments.terms,
                                          &arguments.max_rmse, &arguments.layout, &arguments.precision, &threads, &progress)) {
             return nullptr;
         }
         const CompressOptions options = arguments.options();
         const auto held = unbox<Gdm>(gdm);
         const auto sdf = arguments.held_sdf(state);
-        const MapParts parts(state, arguments.leaps, arguments.attributes);
+        const MapParts parts(state, arguments.facets, arguments.attributes);
         Job job(threads);
         return box(state.map_type, run(job, progress, [&] {
             Map map = compress(*held, sdf.get(), options, job);
@@ -89,7 +89,7 @@ PyObject* py_bake_map(PyObject* module, PyObject* args, PyObject* kwargs)
 {
     ModuleState& state = state_of_module(module);
     return guarded(state, [&]() -> PyObject* {
-        static const char* names[] = {"sample",   "resolution", "directions", "engine",  "sdf",      "leaps", "attributes", "terms",
+        static const char* names[] = {"sample",   "resolution", "directions", "engine",  "sdf",      "facets", "attributes", "terms",
                                       "max_rmse", "layout",     "precision",  "memory",  "threads",  "progress", nullptr};
         PyObject* sample = nullptr;
         BakeArguments bake;
@@ -99,7 +99,7 @@ PyObject* py_bake_map(PyObject* module, PyObject* args, PyObject* kwargs)
         PyObject* progress = nullptr;
         if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$OOsOOOOOssdiO:bake_map", const_cast<char**>(names), state.sample_type,
                                          &sample, &bake.resolution, &bake.directions, &bake.engine, &arguments.sdf,
-                                         &arguments.leaps, &arguments.attributes, &arguments.terms, &arguments.max_rmse,
+                                         &arguments.facets, &arguments.attributes, &arguments.terms, &arguments.max_rmse,
                                          &arguments.layout, &arguments.precision, &memory, &threads, &progress)) {
             return nullptr;
         }
@@ -108,7 +108,7 @@ PyObject* py_bake_map(PyObject* module, PyObject* args, PyObject* kwargs)
         const CompressOptions options = arguments.options();
         const auto held = unbox<Sample>(sample);
         const auto sdf = arguments.held_sdf(state);
-        const MapParts parts(state, arguments.leaps, arguments.attributes);
+        const MapParts parts(state, arguments.facets, arguments.attributes);
         const double limit = memory > 0.0 ? memory : default_memory();
         Job job(threads);
         return box(state.map_type, run(job, progress, [&] {
@@ -183,12 +183,12 @@ PyObject* py_load(PyObject* module, PyObject* path)
 
 PyMethodDef functions[] = {
     {"compress", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_compress)), METH_VARARGS | METH_KEYWORDS,
-     "compress(gdm, *, sdf=None, leaps=None, attributes=None, terms=None, max_rmse=None, layout='auto', precision='byte', threads=0, "
+     "compress(gdm, *, sdf=None, facets=None, attributes=None, terms=None, max_rmse=None, layout='auto', precision='byte', threads=0, "
      "progress=None)\n--\n\n"
-     "A Map of the GDM's truncated SVD, the distance field, the leap table and the attributes; max_rmse in tile widths picks the "
+     "A Map of the GDM's truncated SVD, the distance field, the facets and the attributes; max_rmse in tile widths picks the "
      "fewest terms."},
     {"bake_map", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_bake_map)), METH_VARARGS | METH_KEYWORDS,
-     "bake_map(sample, *, resolution=(64, 64, 32), directions=(16, 32), engine='auto', sdf=None, leaps=None, attributes=None, "
+     "bake_map(sample, *, resolution=(64, 64, 32), directions=(16, 32), engine='auto', sdf=None, facets=None, attributes=None, "
      "terms=None, max_rmse=None, layout='auto', precision='byte', memory=0, threads=0, progress=None)\n--\n\n"
      "bake_gdm and compress in at most `memory` bytes (0: a quarter of the machine's), the raw GDM streaming through in blocks of "
      "azimuths."},

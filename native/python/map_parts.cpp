@@ -30,13 +30,13 @@ void take_array(ModuleState& state, PyObject* dict, const char* name, int channe
 
 }  // namespace
 
-MapParts::MapParts(ModuleState& state, PyObject* leaps, PyObject* attributes)
+MapParts::MapParts(ModuleState& state, PyObject* facets, PyObject* attributes)
 {
-    if (leaps != Py_None) {
-        if (Py_TYPE(leaps) != state.leaps_type) {
-            throw InvalidArgument("leaps is no Leaps; pass what bake_leaps returned");
+    if (facets != Py_None) {
+        if (Py_TYPE(facets) != state.facets_type) {
+            throw InvalidArgument("facets is no Facets; pass what bake_facets returned");
         }
-        leaps_ = unbox<Leaps>(leaps);
+        facets_ = unbox<Facets>(facets);
     }
     if (attributes != Py_None) {
         if (!PyDict_Check(attributes)) {
@@ -49,16 +49,16 @@ MapParts::MapParts(ModuleState& state, PyObject* leaps, PyObject* attributes)
     }
 }
 
-PyObject* map_leaps(PyObject* self, void*)
+PyObject* map_facets(PyObject* self, void*)
 {
     return guarded(state_of(self), [&]() -> PyObject* {
         const auto& map = unbox<Map>(self);
-        const Leaps& leaps = map->leaps;
-        if (leaps.values.empty()) {
+        const Facets& facets = map->facets;
+        if (facets.texels.empty()) {
             Py_RETURN_NONE;
         }
-        return array_view(state_of(self), map, leaps.values.data(), 'B',
-                          {leaps.directions * leaps.directions, leaps.cells.z, leaps.cells.y, leaps.cells.x});
+        return array_view(state_of(self), map, facets.texels.data(), 'f',
+                          {facets.depth(), facets.cells.y, facets.cells.x, 4});
     });
 }
 

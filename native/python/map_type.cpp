@@ -53,6 +53,12 @@ PyObject* map_resolution(PyObject* self, void*)
     return Py_BuildValue("(iii)", nodes.x, nodes.y, nodes.z);
 }
 
+PyObject* map_facet_cells(PyObject* self, void*)
+{
+    const glm::ivec3& cells = self_of(self).facets.cells;
+    return Py_BuildValue("(iii)", cells.x, cells.y, cells.z);
+}
+
 PyObject* map_directions(PyObject* self, void*)
 {
     return Py_BuildValue("(ii)", self_of(self).resolution.ntheta, self_of(self).resolution.nphi);
@@ -62,8 +68,8 @@ PyGetSetDef map_getters[] = {
     {"weights", map_weights, nullptr, "float32 [terms, nphi or 1, ny, nx]", nullptr},
     {"eigenmaps", map_eigenmaps, nullptr, "float32 [terms, 1 or nphi, ntheta, nz]", nullptr},
     {"sdf", map_sdf, nullptr, "float32 [mz, my, mx], tile widths, negative inside; or None", nullptr},
-    {"leaps", map_leaps, nullptr, "uint8 [directions ** 2, cz, cy, cx], in leap units; or None", nullptr},
-    {"leap_unit", [](PyObject*, void*) { return PyFloat_FromDouble(leap_unit); }, nullptr, "tile widths", nullptr},
+    {"facets", map_facets, nullptr, "float32 [depth, cy, cx, 4], bits of shaders/lib/facets.glsl; or None", nullptr},
+    {"facet_cells", map_facet_cells, nullptr, "(cx, cy, cz), zeros without facets", nullptr},
     {"attributes", map_attributes, nullptr,
      "dict of float32 [nz, ny, nx, channels]: color (linear), surface (roughness, metallic), normal; or None", nullptr},
     {"height", [](PyObject* self, void*) { return PyFloat_FromDouble(self_of(self).height); }, nullptr, "tile widths", nullptr},
@@ -138,7 +144,7 @@ PyMethodDef map_methods[] = {
 };
 
 PyType_Slot map_slots[] = {
-    {Py_tp_doc, const_cast<char*>("A baked tile: the GDM's SVD terms, its distance field, its leap table and its surface's attributes.")},
+    {Py_tp_doc, const_cast<char*>("A baked tile: the GDM's SVD terms, its distance field, its facets and its surface's attributes.")},
     {Py_tp_dealloc, reinterpret_cast<void*>(dealloc_boxed<Map>)},
     {Py_tp_getset, map_getters},
     {Py_tp_methods, map_methods},

@@ -54,7 +54,7 @@ int execute(PyObject* module)
                       state.error) != 0 ||
         add_exception(module, "mesoshell_native.Cancelled", "The progress callback answered false.", state.error,
                       state.cancelled) != 0 ||
-        add_arrays(module) != 0 || add_sample(module) != 0 || add_bake(module) != 0 || add_leaps(module) != 0 ||
+        add_arrays(module) != 0 || add_sample(module) != 0 || add_bake(module) != 0 || add_facets(module) != 0 ||
         add_map(module) != 0 || add_map_functions(module) != 0 || add_shell(module) != 0 || add_render(module) != 0 ||
         add_scene(module) != 0 || add_volume(module) != 0 || add_attributes(module) != 0 || add_folds(module) != 0 ||
         PyModule_AddFunctions(module, functions) != 0 ||
@@ -71,7 +71,7 @@ int traverse(PyObject* module, visitproc visit, void* arg)
     Py_VISIT(state.cancelled);
     Py_VISIT(state.numpy);
     for (PyTypeObject* type :
-         {state.array_type, state.sample_type, state.gdm_type, state.sdf_type, state.leaps_type, state.map_type,
+         {state.array_type, state.sample_type, state.gdm_type, state.sdf_type, state.facets_type, state.map_type,
           state.shell_type}) {
         Py_VISIT(type);
     }
@@ -85,7 +85,7 @@ int clear(PyObject* module)
     Py_CLEAR(state.cancelled);
     Py_CLEAR(state.numpy);
     for (PyTypeObject** type :
-         {&state.array_type, &state.sample_type, &state.gdm_type, &state.sdf_type, &state.leaps_type, &state.map_type,
+         {&state.array_type, &state.sample_type, &state.gdm_type, &state.sdf_type, &state.facets_type, &state.map_type,
           &state.shell_type}) {
         Py_CLEAR(*type);
     }

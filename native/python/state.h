@@ -16,7 +16,7 @@ struct ModuleState {
     PyTypeObject* sample_type;
     PyTypeObject* gdm_type;
     PyTypeObject* sdf_type;
-    PyTypeObject* leaps_type;
+    PyTypeObject* facets_type;
     PyTypeObject* map_type;
     PyTypeObject* shell_type;
 };
@@ -68,7 +68,7 @@ void dealloc_boxed(PyObject* self)
 int add_arrays(PyObject* module);
 int add_sample(PyObject* module);
 int add_bake(PyObject* module);
-int add_leaps(PyObject* module);
+int add_facets(PyObject* module);
 int add_map(PyObject* module);
 int add_map_functions(PyObject* module);
 int add_shell(PyObject* module);

@@ -23,14 +23,14 @@ void check_array(const std::vector<float>& values, const glm::ivec3& nodes, int 
 
 }  // namespace
 
-void attach(Map& map, const Leaps* leaps, const Attributes* attributes)
+void attach(Map& map, const Facets* facets, const Attributes* attributes)
 {
-    if (leaps != nullptr) {
-        if (leaps->height != map.height || leaps->aspect != map.aspect) {
-            throw InvalidArgument("the leap table and the GDM are of tiles with different height or aspect; bake both from "
+    if (facets != nullptr) {
+        if (facets->height != map.height || facets->aspect != map.aspect) {
+            throw InvalidArgument("the facets and the GDM are of tiles with different height or aspect; bake both from "
                                   "one sample");
         }
-        map.leaps = *leaps;
+        map.facets = *facets;
     }
     if (attributes != nullptr) {
         Attributes attached = *attributes;

@@ -57,7 +57,7 @@ ShellParams complete_params(const ShellParams& settings, const Map& map, const g
     params.gdm_nodes = glm::vec4(glm::vec3(map.resolution.nodes), static_cast<float>((map.terms + 3) / 4));
     params.gdm_directions = glm::vec4(map.resolution.ntheta, azimuth_axes(map), 0.0f);
     params.sdf_nodes = glm::vec4(glm::vec3(map.sdf_nodes), 0.0f);
-    params.leap_cells = glm::vec4(glm::vec3(map.leaps.cells), static_cast<float>(map.leaps.directions));
+    params.facet_cells = glm::vec4(glm::vec3(map.facets.cells), 0.0f);
     params.tile = glm::vec4(map.height, map.aspect, map.layout == Layout::share ? 1.0f : 0.0f, 0.0f);
     return params;
 }

@@ -11,6 +11,7 @@
 #include "mesoshell/error.h"
 #include "mesoshell/sample.h"
 #include "mesoshell/traversal.h"
+#include "seen_along.h"
 #include "shader_text.h"
 
 namespace mesoshell {
@@ -33,52 +34,6 @@ std::vector<BoxScene::Box> prism_boxes(const Shell& shell)
     return boxes;
 }
 
-// A ray's own axes across it, to tell quickly which prisms it passes by: of those whose boxes it meets, half.
-class RayFrame {
-public:
-    RayFrame(const glm::vec3& origin, const glm::vec3& dir) : origin_(origin), from_zero_(most(origin))
-    {
-        // Duff et al. 2017, "Building an orthonormal basis, revisited".
-        const float sign = std::copysign(1.0f, dir.z);
-        const float a = -1.0f / (sign + dir.z);
-        const float b = dir.x * dir.y * a;
-        x_ = glm::vec3(1.0f + sign * dir.x * dir.x * a, sign * b, -sign * dir.x);
-        y_ = glm::vec3(b, sign + dir.y * dir.y * a, -dir.y);
-    }
-
-    // False only where the ray passes beside the convex hull of the corners, which holds the fins: seen along the ray, they are on
-    // one side of one of four lines through it.
-    bool may_meet(const PrismTexels& prism) const
-    {
-        glm::vec4 low(std::numeric_limits<float>::infinity());
-        glm::vec4 high = -low;
-        float reach = from_zero_;
-        for (int i = 0; i < 6; ++i) {
-            const glm::vec3 corner = glm::vec3(prism[i]) - origin_;
-            const float x = glm::dot(corner, x_);
-            const float y = glm::dot(corner, y_);
-            const glm::vec4 sides(x, y, x + y, x - y);
-            low = glm::min(low, sides);
-            high = glm::max(high, sides);
-            reach = std::max(reach, most(corner));
-        }
-        // As the boxes' margin, and the rounding of coordinates so far away.
-        const glm::vec4 margin = 1e-5f * (high - low) + 2e-6f * reach;
-        return glm::all(glm::lessThanEqual(low, margin)) && glm::all(glm::greaterThanEqual(high, -margin));
-    }
-
-private:
-    static float most(const glm::vec3& vector)
-    {
-        return std::max({std::abs(vector.x), std::abs(vector.y), std::abs(vector.z)});
-    }
-
-    glm::vec3 origin_;
-    float from_zero_;
-    glm::vec3 x_;
-    glm::vec3 y_;
-};
-
 std::unique_ptr<const ExactTracer> exact_tracer(const Map& map, const ShellParams& params, const Sample* sample)
 {
     if (params.mode.x != static_cast<int>(Traversal::exact)) {
@@ -93,6 +48,17 @@ std::unique_ptr<const ExactTracer> exact_tracer(const Map& map, const ShellParam
                               std::to_string(map.aspect) + "; pass the sample that the map was baked from");
     }
     return std::make_unique<const ExactTracer>(*sample);
+}
+
+// `exact` reads no map.
+MapVolumes volumes_for(const Map& map, const ShellParams& params)
+{
+    const auto traversal = static_cast<Traversal>(params.mode.x);
+    if (traversal == Traversal::exact) {
+        return {};
+    }
+    const bool dense = traversal == Traversal::march || traversal == Traversal::slices;
+    return {map, dense ? MapVolumes::Parts::sdf_and_density : MapVolumes::Parts::sdf};
 }
 
 // Tile widths that a ray must be away from a surface in order not to meet it again: what a traversal takes for the surface,
@@ -132,6 +98,7 @@ struct ShellTracer::State {
     const Map& map;
     ShellParams params;
     BoxScene scene;
+    MapVolumes volumes;
     shader::Tile tile;
     shader::Tolerance tolerance;
     std::unique_ptr<const ExactTracer> exact;  // null for other traversals
@@ -144,7 +111,7 @@ struct ShellTracer::State {
 };
 
 ShellTracer::ShellTracer(const Shell& shell, const Map& map, const ShellParams& params, const Sample* sample)
-    : state_(new State{shell, map, params, BoxScene(prism_boxes(shell)), shader::tile_of(params),
+    : state_(new State{shell, map, params, BoxScene(prism_boxes(shell)), volumes_for(map, params), shader::tile_of(params),
                        shader::tolerance_of(params), exact_tracer(map, params, sample)})
 {
 }
@@ -155,15 +122,15 @@ ShellTracer::~ShellTracer() = default;
 ShellTraceHit ShellTracer::State::nearest_exact(const glm::vec3& origin, const glm::vec3& dir, float t_near,
                                                 float t_far) const
 {
+    const ExactRay ray{glm::dvec3(origin), glm::dvec3(dir)};
     ExactHit nearest;
     ShellTraceHit result;
-    const RayFrame frame(origin, dir);
+    const SeenAlong seen(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
-        if (!frame.may_meet(shell.prisms[index])) {
+        if (!seen.may_meet(shell.prisms[index])) {
             return t_before;
         }
-        const ExactHit hit = exact->nearest(shell.prisms[index], glm::dvec3(origin), glm::dvec3(dir), t_near,
-                                            std::min(t_before, t_far));
+        const ExactHit hit = exact->nearest(shell.prisms[index], ray, t_near, std::min(t_before, t_far));
         const auto t = static_cast<float>(hit.t);
         if (!hit.hit || t >= t_before || t >= t_far) {
             return t_before;
@@ -189,13 +156,13 @@ ShellTraceHit ShellTracer::nearest(const glm::vec3& origin, const glm::vec3& dir
     if (state_->exact) {
         return state_->nearest_exact(origin, dir, t_near, t_far);
     }
-    const shader::FetchScope scope(state_->map);
+    const shader::FetchScope scope(state_->map, state_->volumes);
     shader::ShellHit nearest;
     nearest.hit = false;
     ShellTraceHit result;
-    const RayFrame frame(origin, dir);
+    const SeenAlong seen(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
-        if (!frame.may_meet(state_->shell.prisms[index])) {
+        if (!seen.may_meet(state_->shell.prisms[index])) {
             return t_before;
         }
         const shader::ShellHit hit = shader::trace_prism(state_->prism(index), origin, dir, t_near, state_->params.mode.z,
@@ -213,7 +180,7 @@ ShellTraceHit ShellTracer::nearest(const glm::vec3& origin, const glm::vec3& dir
     if (result.hit) {
         const shader::Prism prism = state_->prism(result.prism);
         result.t = nearest.t;
-        result.normal = shader::hit_normal(prism, nearest, state_->tile);
+        result.normal = shader::hit_normal(prism, nearest, state_->params.mode.x, state_->tile);
         result.pos_texture = nearest.pos_texture;
         // The hit lies on the ray, but was found on a chord.
         const float off_the_chord = glm::length(origin + dir * nearest.t - shader::prism_position(prism, nearest.q));
@@ -228,10 +195,10 @@ bool ShellTracer::State::any(const glm::vec3& origin, const glm::vec3& dir, floa
                              const Meet& meet) const
 {
     bool met = false;
-    const RayFrame frame(origin, dir);
+    const SeenAlong seen(origin, dir);
     const auto visit = [&](std::uint32_t index, float t_before) {
         // The other boxes of a leaf come too.
-        met = met || (frame.may_meet(shell.prisms[index]) && meet(index));
+        met = met || (seen.may_meet(shell.prisms[index]) && meet(index));
         return met ? -std::numeric_limits<float>::infinity() : t_before;
     };
     scene.visit_along(origin, dir, std::max(t_near, 0.0f), visit, t_far);
@@ -242,14 +209,14 @@ ShellOcclusion ShellTracer::any(const glm::vec3& origin, const glm::vec3& dir, f
 {
     ShellOcclusion result;
     if (state_->exact) {
+        const ExactRay ray{glm::dvec3(origin), glm::dvec3(dir)};
         result.hit = state_->any(origin, dir, t_near, t_far, [&](std::uint32_t index) {
-            const ExactHit hit = state_->exact->nearest(state_->shell.prisms[index], glm::dvec3(origin), glm::dvec3(dir),
-                                                        t_near, t_far);
+            const ExactHit hit = state_->exact->nearest(state_->shell.prisms[index], ray, t_near, t_far);
             return hit.hit && static_cast<float>(hit.t) < t_far;
         });
         return result;
     }
-    const shader::FetchScope scope(state_->map);
+    const shader::FetchScope scope(state_->map, state_->volumes);
     result.hit = state_->any(origin, dir, t_near, t_far, [&](std::uint32_t index) {
         const shader::ShellHit hit = shader::trace_prism(state_->prism(index), origin, dir, t_near, state_->params.mode.z,
                                                          state_->params.mode.x, state_->tile, state_->tolerance);

@@ -1,29 +1,9 @@
 #include "store_format.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <utility>
 
 namespace mesoshell::store {
-namespace {
-
-using Values = std::shared_ptr<const std::vector<float>>;
-
-Values borrowed(const std::vector<float>& values)
-{
-    return {Values(), &values};
-}
-
-// Bounds as lengths: any viewer shows them, and half floats hold them exactly.
-Values lengths_of(const Leaps& leaps)
-{
-    std::vector<float> lengths(leaps.values.size());
-    std::transform(leaps.values.begin(), leaps.values.end(), lengths.begin(),
-                   [](std::uint8_t steps) { return leap_unit * static_cast<float>(steps); });
-    return std::make_shared<const std::vector<float>>(std::move(lengths));
-}
-
-}  // namespace
 
 std::string Shape::text() const
 {
@@ -34,24 +14,23 @@ std::vector<Part> parts_of(const Map& map)
 {
     const GdmResolution& r = map.resolution;
     std::vector<Part> parts{
-        {"gdm.weights", "Y", "tile widths", {map.terms, map.weight_azimuths(), r.nodes.y, r.nodes.x}, borrowed(map.weights)},
-        {"gdm.eigenmaps", "Y", "tile widths", {map.terms, map.eigen_azimuths(), r.ntheta, r.nodes.z}, borrowed(map.eigenmaps)}};
+        {"gdm.weights", "Y", "tile widths", {map.terms, map.weight_azimuths(), r.nodes.y, r.nodes.x}, map.weights},
+        {"gdm.eigenmaps", "Y", "tile widths", {map.terms, map.eigen_azimuths(), r.ntheta, r.nodes.z}, map.eigenmaps}};
     if (map.layout != Layout::nodes) {
         std::swap(parts[1].shape.rows, parts[1].shape.columns);
     }
     if (!map.sdf.empty()) {
         parts.push_back({"sdf", "Y", "tile widths", {1, map.sdf_nodes.z, map.sdf_nodes.y, map.sdf_nodes.x},
-                         borrowed(map.sdf)});
+                         map.sdf});
     }
-    if (const Leaps& leaps = map.leaps; !leaps.values.empty()) {
-        const Shape shape{leaps.directions * leaps.directions, leaps.cells.z, leaps.cells.y, leaps.cells.x};
-        parts.push_back({"leaps", "Y", "tile widths", shape, lengths_of(leaps)});
+    if (const Facets& f = map.facets; !f.texels.empty()) {
+        parts.push_back({"facets", "RGBA", "bits", {1, f.depth(), f.cells.y, f.cells.x}, f.texels, true});
     }
     if (const Attributes& a = map.attributes; !a.color.empty()) {
         const Shape shape{1, a.nodes.z, a.nodes.y, a.nodes.x};
-        parts.push_back({"color", "RGB", "linear reflectance", shape, borrowed(a.color)});
-        parts.push_back({"surface", "RM", "roughness and metallic, 0 to 1", shape, borrowed(a.surface)});
-        parts.push_back({"normal", "XYZ", "unit vectors", shape, borrowed(a.normal)});
+        parts.push_back({"color", "RGB", "linear reflectance", shape, a.color});
+        parts.push_back({"surface", "RM", "roughness and metallic, 0 to 1", shape, a.surface});
+        parts.push_back({"normal", "XYZ", "unit vectors", shape, a.normal});
     }
     return parts;
 }

@@ -11,8 +11,9 @@
 
 namespace mesoshell::store {
 
-// 2: leap tables and surface attributes. Files of version 1 are read.
-constexpr int format_version = 2;
+// 2: leap tables and surface attributes. 3: facets instead of leap tables. Files of all versions are read; what versions before
+// 3 have as "leaps" nothing uses.
+constexpr int format_version = 3;
 constexpr int oldest_version = 1;
 
 // In the order of Layout and Precision. Files that do not say theirs have the paper's layout, and the precision of their channels.
@@ -38,11 +39,12 @@ struct Part {
     const char* channels;  // a letter each, in the order of the array's last axis; "Y" where it has none
     const char* units;
     Shape shape;
-    std::shared_ptr<const std::vector<float>> values;  // those of the map, which outlives the part, or its own
+    const std::vector<float>& values;  // those of the map, which outlives the part
+    bool all_bits = false;             // 32-bit floats whatever the map's precision
 };
 
 // All that parts are called.
-constexpr const char* part_names[] = {"gdm.weights", "gdm.eigenmaps", "sdf", "leaps", "color", "surface", "normal"};
+constexpr const char* part_names[] = {"gdm.weights", "gdm.eigenmaps", "sdf", "leaps", "facets", "color", "surface", "normal"};
 
 // The parts that a map has, first the GDM's.
 std::vector<Part> parts_of(const Map& map);

@@ -21,6 +21,7 @@
 #include <OpenEXR/ImfStringAttribute.h>
 
 #include "exr_header.h"
+#include "facet_texels.h"
 #include "mesoshell/store.h"
 #include "store_format.h"
 #include "store_read.h"
@@ -82,8 +83,8 @@ public:
         if (find("color") || find("surface") || find("normal")) {
             map.attributes = read_attributes(map);
         }
-        if (const std::optional<int> part = find("leaps")) {
-            map.leaps = read_leaps(*part, map);
+        if (const std::optional<int> part = find("facets")) {
+            map.facets = read_facets(*part, map);
         }
         return map;
     }
@@ -158,26 +159,21 @@ private:
         return map;
     }
 
-    Leaps read_leaps(int part, const Map& map) const
+    Facets read_facets(int part, const Map& map) const
     {
-        const Shape shape = read_shape(part);
-        Leaps leaps;
-        leaps.cells = glm::ivec3(shape.width, shape.height, shape.columns);
-        leaps.directions = static_cast<int>(std::lround(std::sqrt(static_cast<double>(shape.rows))));
-        leaps.height = map.height;
-        leaps.aspect = map.aspect;
-        if (leaps.directions * leaps.directions != shape.rows || leaps.directions % 2 != 0 || leaps.directions > 16 ||
-            std::max(shape.width, std::max(shape.height, shape.columns)) > 64) {
-            refuse("its leap table has a number of cells or directions that makes no sense");
+        const Shape shape = read_shape(part, 4);
+        Facets facets;
+        facets.height = map.height;
+        facets.aspect = map.aspect;
+        facets.cells = facet_cells(shape.width, map.height, map.aspect);
+        if (shape.rows != 1 || shape.width > 128 || shape.height != facets.cells.y || shape.columns < facets.cells.z) {
+            refuse("its facets have a number of cells that makes no sense");
         }
-        for (const float length : read_part(part, shape, "Y", map)) {
-            const float steps = length / leap_unit;
-            if (!(steps >= 0.0f && steps <= 255.0f && steps == std::floor(steps))) {
-                refuse("its leap table holds bounds that make no sense");
-            }
-            leaps.values.push_back(static_cast<std::uint8_t>(steps));
+        facets.texels = read_part(part, shape, "RGBA", map);
+        if (!facets_make_sense(facets)) {
+            refuse("its facets name parts of cells that it does not have");
         }
-        return leaps;
+        return facets;
     }
 
     Attributes read_attributes(const Map& map) const

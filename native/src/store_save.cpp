@@ -26,14 +26,19 @@ void check_parts(const std::vector<Part>& parts)
 {
     for (const Part& part : parts) {
         const std::size_t channels = std::string(part.channels).size();
-        if (part.values->empty() || part.values->size() != part.shape.count() * channels) {
-            throw InvalidArgument(std::string(part.name) + " has " + std::to_string(part.values->size()) + " values, but " +
+        if (part.values.empty() || part.values.size() != part.shape.count() * channels) {
+            throw InvalidArgument(std::string(part.name) + " has " + std::to_string(part.values.size()) + " values, but " +
                                   part.shape.text() + " nodes; compress the map again");
         }
         if (part.shape.picture_width() > INT_MAX || part.shape.picture_height() > INT_MAX) {
             throw InvalidArgument(std::string(part.name) + " is too large for one picture; use fewer terms or nodes");
         }
     }
+}
+
+bool is_half(const Map& map, const Part& part)
+{
+    return map.precision != Precision::single && !part.all_bits;
 }
 
 // OpenEXR wants one display window for all parts; the data windows differ.
@@ -56,11 +61,11 @@ Imf::Header make_header(const Map& map, const Part& part, const Imath::Box2i& di
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const char channel : std::string(part.channels)) {
         header.channels().insert(std::string(1, channel),
-                                 Imf::Channel(map.precision == Precision::single ? Imf::FLOAT : Imf::HALF));
+                                 Imf::Channel(is_half(map, part) ? Imf::HALF : Imf::FLOAT));
     }
     header.insert("mesoshell:version", Imf::IntAttribute(format_version));
     header.insert("mesoshell:shape", Imf::StringAttribute(part.shape.text()));
-    header.insert("mesoshell:checksum", Imf::StringAttribute(checksum(map, *part.values)));
+    header.insert("mesoshell:checksum", Imf::StringAttribute(checksum(map, part.values)));
     header.insert("mesoshell:units", Imf::StringAttribute(part.units));
     header.insert("mesoshell:height", Imf::FloatAttribute(map.height));
     header.insert("mesoshell:aspect", Imf::FloatAttribute(map.aspect));
@@ -73,14 +78,14 @@ Imf::Header make_header(const Map& map, const Part& part, const Imath::Box2i& di
 
 void write_part(Imf::MultiPartOutputFile& file, int index, const Map& map, const Part& part)
 {
-    const bool half = map.precision != Precision::single;
+    const bool half = is_half(map, part);
     const std::string channels = part.channels;
     const std::size_t size = half ? sizeof(Imath::half) : sizeof(float);
     const std::size_t pixel = size * channels.size();
     std::vector<char> picture(part.shape.count() * pixel);
     for_each_row(part.shape, [&](std::size_t from, std::size_t to, int length) {
         for (std::size_t i = 0; i < length * channels.size(); ++i) {
-            const float value = (*part.values)[from * channels.size() + i];
+            const float value = part.values[from * channels.size() + i];
             if (half) {
                 reinterpret_cast<Imath::half*>(picture.data())[to * channels.size() + i] = Imath::half(value);
             } else {

@@ -12,9 +12,10 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named, 5> named_traversals{{
+constexpr std::array<Named, 6> named_traversals{{
     {Traversal::gdm, "gdm"},
     {Traversal::sdf, "sdf"},
+    {Traversal::refined, "refined"},
     {Traversal::march, "march"},
     {Traversal::slices, "slices"},
     {Traversal::exact, "exact"},

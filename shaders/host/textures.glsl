@@ -35,7 +35,7 @@ float fetch_density(vec3 node)
     return textureLod(density_volume, (node + 0.5f) / size, 0.0f).x;
 }
 
-float fetch_leap(vec3 cell, int bin)
+vec4 fetch_facets(vec3 texel)
 {
-    return texelFetch(leap_table, ivec3(int(cell.x), int(cell.y), int(cell.z) + bin * int(params.leap_cells.z)), 0).x;
+    return texelFetch(facet_volume, ivec3(texel), 0);
 }

@@ -20,8 +20,7 @@ Tile tile_of(ShellParams p)
     tile.gdm_groups = int(p.gdm_nodes.w);
     tile.gdm_shares = p.tile.z > 0.5f;
     tile.sdf_nodes = vec3(p.sdf_nodes.x, p.sdf_nodes.y, p.sdf_nodes.z);
-    tile.leap_cells = vec3(p.leap_cells.x, p.leap_cells.y, p.leap_cells.z);
-    tile.leap_directions = int(p.leap_cells.w);
+    tile.facet_cells = vec3(p.facet_cells.x, p.facet_cells.y, p.facet_cells.z);
     return tile;
 }
 

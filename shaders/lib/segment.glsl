@@ -13,6 +13,7 @@ struct SegmentHit {
     bool hit;
     float along;  // 0 where the segment enters, 1 where it leaves
     int fetches;  // texture instructions
+    vec3 normal;  // metric, out of the solid; zero where the traversal does not know it
 };
 
 #endif

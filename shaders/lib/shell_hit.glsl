@@ -2,7 +2,7 @@
 #ifndef MESOSHELL_LIB_SHELL_HIT
 #define MESOSHELL_LIB_SHELL_HIT
 
-#include "prism_path.glsl"
+#include "curved_path.glsl"
 #include "prism_planes.glsl"
 #include "traverse.glsl"
 
@@ -13,15 +13,30 @@ const int MOST_SPANS = 4;
 const int FINS_EXACT = 0;   // bilinear patches
 const int FINS_PAPER = 1;  // two planes each, as in the paper
 
+// How far a chord may lie from the ray's curve: in voxels of the distance field or, where a traversal reads more exact facets,
+// in cells of these.
+const float CHORD_VOXELS = 0.25f;
+const float CHORD_CELLS = 0.0625f;
+
 struct ShellHit {
     bool hit;
     float t;              // ray parameter
     vec3 q;               // prism coordinates
     vec3 pos_texture;
+    bool at_entry;        // where the ray enters the prism: in the solid
+    vec3 normal;          // metric texture space, out of the solid; zero: ask the distance field
     int fetches;
 };
 
-// Rays and prisms are in object space; dir has unit length.
+// The paper's single lookup wants the whole stretch, and layers are met one by one whatever the path between them.
+bool follows_curve(int traversal)
+{
+    return traversal != TRAVERSAL_GDM && traversal != TRAVERSAL_SLICES;
+}
+
+// Rays and prisms are in object space; dir has unit length. A stretch of the ray is a curve in texture space: it is followed by
+// chords, each of which a traversal sees as one segment. Rays level with an offset triangle and those clipped by the paper's
+// planes have one chord.
 ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins, int traversal, Tile tile,
                      Tolerance tolerance)
 {
@@ -30,6 +45,8 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
     result.t = 0.0f;
     result.q = vec3(0.0f);
     result.pos_texture = vec3(0.0f);
+    result.at_entry = false;
+    result.normal = vec3(0.0f);
     result.fetches = 0;
     bool planes = fins == FINS_PAPER;
     PrismPath path;
@@ -59,17 +76,39 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
         if (!span.found) {
             continue;
         }
-        vec3 entry_texture = prism_texture(prism, span.q_in);
-        vec3 exit_texture = prism_texture(prism, span.q_out);
-        SegmentHit segment = traverse(traversal, tile, tolerance, entry_texture, exit_texture);
-        result.fetches += segment.fetches;
-        if (segment.hit) {
-            // The chord in texture space is not quite the ray; the hit is its foot on the ray, so that depth stays on the pixel.
-            result.hit = true;
-            result.q = mix(span.q_in, span.q_out, segment.along);
-            result.pos_texture = mix(entry_texture, exit_texture, segment.along);
-            float foot = dot(prism_position(prism, result.q) - origin, dir);
-            result.t = planes ? mix(span.t_in, span.t_out, segment.along) : clamp(foot, span.t_in, span.t_out);
+        int pieces = 1;
+        if (follows_curve(traversal) && !path.level) {
+            bool by_cells = traversal == TRAVERSAL_REFINED && tile.facet_cells.x > 0.0f;
+            float most = by_cells ? CHORD_CELLS / tile.facet_cells.x : CHORD_VOXELS / tile.sdf_nodes.x;
+            pieces = curve_pieces(prism, path, span, tile.scale, most);
+        }
+        vec3 q_in = span.q_in;
+        vec3 entry_texture = prism_texture(prism, q_in);
+        for (int piece = 1; piece <= pieces && !result.hit; ++piece) {
+            vec3 q_out = piece == pieces ? span.q_out : curve_place(path, span, float(piece) / float(pieces));
+            vec3 exit_texture = prism_texture(prism, q_out);
+            SegmentHit segment = traverse(traversal, tile, tolerance, entry_texture, exit_texture);
+            result.fetches += segment.fetches;
+            if (segment.hit) {
+                result.hit = true;
+                result.at_entry = piece == 1 && segment.along == 0.0f;
+                result.q = mix(q_in, q_out, segment.along);
+                result.pos_texture = mix(entry_texture, exit_texture, segment.along);
+                result.normal = segment.normal;
+                if (!path.level && segment.normal != vec3(0.0f)) {
+                    // The traversal knows the plane that the chord meets; the curve meets it nearby.
+                    result.q = curve_in_plane(prism, path, q_in, q_out, segment.along, result.pos_texture, segment.normal * tile.scale);
+                    result.pos_texture = prism_texture(prism, result.q);
+                }
+                // The chord in texture space is not quite the ray; the hit is its foot on the ray, so that depth stays on the
+                // pixel.
+                float foot = dot(prism_position(prism, result.q) - origin, dir);
+                result.t = planes ? mix(span.t_in, span.t_out, segment.along) : clamp(foot, span.t_in, span.t_out);
+            }
+            q_in = q_out;
+            entry_texture = exit_texture;
+        }
+        if (result.hit) {
             break;
         }
         if (last) {
@@ -79,10 +118,36 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
     return result;
 }
 
-// Outward unit normal in object space at a hit.
-vec3 hit_normal(Prism prism, ShellHit hit, Tile tile)
+// A hit where a ray enters its prism, so near a side of it, in prism coordinates, and so deep in the solid, in voxels, is a
+// cut: there the shell's border, its bottom or top, or a seam of its UVs goes through the solid.
+const float CUT_RIM = 1.0e-4f;
+const float CUT_DEPTH = 0.25f;
+
+// A side of a prism that a place is near, as its normal outward, not normalized, and the place's distance from it in prism
+// coordinates.
+vec4 nearest_side(Prism prism, vec3 q)
 {
-    vec3 normal = prism_normal(prism, hit.q, tile.scale, sdf_gradient(tile, hit.pos_texture));
+    PlaceSlopes slopes = place_slopes(prism, q);
+    float q0 = 1.0f - q.x - q.y;
+    vec4 side = vec4(-slopes.q0, q0);
+    side = q.x < side.w ? vec4(-slopes.q1, q.x) : side;
+    side = q.y < side.w ? vec4(-slopes.q2, q.y) : side;
+    side = q.z < side.w ? vec4(-slopes.w, q.z) : side;
+    return 1.0f - q.z < side.w ? vec4(slopes.w, 1.0f - q.z) : side;
+}
+
+// Outward unit normal in object space at a hit. `gdm` misses surfaces and enters the next prism below them, which is no cut.
+vec3 hit_normal(Prism prism, ShellHit hit, int traversal, Tile tile)
+{
+    vec3 gradient = hit.normal;
+    if (gradient == vec3(0.0f)) {
+        gradient = sdf_gradient(tile, hit.pos_texture);
+    }
+    vec3 normal = prism_normal(prism, hit.q, tile.scale, gradient);
+    if (hit.at_entry && traversal != TRAVERSAL_GDM && lookup_sdf(tile, hit.pos_texture) < -CUT_DEPTH / tile.sdf_nodes.x) {
+        vec4 side = nearest_side(prism, hit.q);
+        normal = side.w < CUT_RIM ? vec3(side.x, side.y, side.z) : normal;
+    }
     float size = length(normal);
     return size > 0.0f ? normal / size : vec3(0.0f, 0.0f, 1.0f);
 }

@@ -13,8 +13,7 @@ struct Tile {
     int gdm_groups;      // SVD terms / 4, rounded up
     bool gdm_shares;     // terms sum to shares of the distance to the end of the slab
     vec3 sdf_nodes;      // nodes of the distance field and of the density along u, v, w
-    vec3 leap_cells;     // cells of the leap table along u, v, w; 0: there is none
-    int leap_directions; // side of its octahedral map
+    vec3 facet_cells;    // cells of the facets along u, v, w; 0: there are none
 };
 
 // The host defines these. Node coordinates: x and y in [0, n], the last node repeating the first; phi in [0, nphi] likewise;
@@ -25,8 +24,8 @@ vec4 fetch_gdm_eigenmaps(vec3 node, int group);
 float fetch_sdf(vec3 node);
 // The solid's share of the voxel around a node, in [0, 1]: 1/2 - distance / voxel at the nodes, in steps of 1/256.
 float fetch_density(vec3 node);
-// The bound of a cell of the leap table in a bin of directions, tile widths; not filtered.
-float fetch_leap(vec3 cell, int bin);
+// A texel of the facets (facets.glsl), bit for bit: not filtered.
+vec4 fetch_facets(vec3 texel);
 
 const float TWO_PI = 6.28318530718f;
 const float PI = 3.14159265359f;

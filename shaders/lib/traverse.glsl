@@ -6,11 +6,13 @@
 #include "segment.glsl"
 #include "tile.glsl"
 #include "traverse_march.glsl"
+#include "traverse_refined.glsl"
 #include "traverse_slices.glsl"
 
 // As mesoshell/traversal.h.
 const int TRAVERSAL_GDM = 0;
 const int TRAVERSAL_SDF = 1;
+const int TRAVERSAL_REFINED = 2;
 const int TRAVERSAL_MARCH = 3;
 const int TRAVERSAL_SLICES = 4;
 
@@ -22,6 +24,7 @@ SegmentHit traverse_gdm(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3
     result.hit = false;
     result.along = 1.0f;
     result.fetches = 0;
+    result.normal = vec3(0.0f);
     vec3 span_metric = (exit_texture - entry_texture) * tile.scale;
     float span_length = length(span_metric);
     if (span_length == 0.0f) {
@@ -44,6 +47,7 @@ SegmentHit traverse_sdf(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3
     result.hit = false;
     result.along = 0.0f;
     result.fetches = 0;
+    result.normal = vec3(0.0f);
     float span_length = length((exit_texture - entry_texture) * tile.scale);
     float travelled = 0.0f;
     while (result.fetches < tolerance.sdf_steps) {
@@ -67,6 +71,10 @@ SegmentHit traverse(int traversal, Tile tile, Tolerance tolerance, vec3 entry_te
 {
     if (traversal == TRAVERSAL_GDM) {
         return traverse_gdm(tile, tolerance, entry_texture, exit_texture);
+    }
+    // A map without facets has sphere tracing to fall back on.
+    if (traversal == TRAVERSAL_REFINED && tile.facet_cells.x > 0.0f) {
+        return traverse_refined(tile, entry_texture, exit_texture);
     }
     if (traversal == TRAVERSAL_MARCH) {
         return traverse_march(tile, entry_texture, exit_texture);

@@ -23,6 +23,7 @@ SegmentHit traverse_march(Tile tile, vec3 entry_texture, vec3 exit_texture)
     result.hit = false;
     result.along = 0.0f;
     result.fetches = 1;
+    result.normal = vec3(0.0f);
     float density = lookup_density(tile, entry_texture);
     if (density >= 0.5f) {
         result.hit = true;

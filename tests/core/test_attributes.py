@@ -201,12 +201,12 @@ def test_a_map_keeps_them(volumes, native, tmp_path):
     made = volumes(surface)
     sample = native.Sample(surface.positions, surface.triangles, height=0.5)
     gdm = native.bake_gdm(sample, resolution=(4, 4, 3), directions=(4, 4))
-    leaps = native.bake_leaps(sample, cells=(6, 5, 4), directions=4)
+    facets = native.bake_facets(sample, cells=6)
     path = str(tmp_path / "ball.exr")
-    native.compress(gdm, terms=2, leaps=leaps, attributes=made).save(path)
+    native.compress(gdm, terms=2, facets=facets, attributes=made).save(path)
     loaded = native.load(path)
-    assert loaded.leap_unit == leaps.unit == 1 / 256
-    np.testing.assert_array_equal(loaded.leaps, leaps.values)
+    assert loaded.facet_cells == facets.cells
+    np.testing.assert_array_equal(loaded.facets.view(np.uint32), facets.texels.view(np.uint32))
     for name, values in made.items():
         np.testing.assert_array_equal(loaded.attributes[name], values.astype(np.float16))
 
@@ -216,13 +216,13 @@ def test_what_compress_can_not_take_is_refused(volumes, native):
     sample = native.Sample(surface.positions, surface.triangles, height=0.5)
     gdm = native.bake_gdm(sample, resolution=(4, 4, 3), directions=(4, 4))
     made = volumes(surface)
-    low = native.bake_leaps(native.Sample(surface.positions, surface.triangles, height=0.49), cells=(4, 4, 4))
+    low = native.bake_facets(native.Sample(surface.positions, surface.triangles, height=0.49), cells=4)
     for bad, words in (
-            ({"leaps": low}, "one sample"), ({"leaps": made}, "bake_leaps"), ({"attributes": []}, "dict"),
+            ({"facets": low}, "one sample"), ({"facets": made}, "bake_facets"), ({"attributes": []}, "dict"),
             ({"attributes": {**made, "normal": made["color"][:3]}}, "normal"),
             ({"attributes": {**made, "color": made["surface"]}}, "color"),
             ({"attributes": {**made, "color": made["color"] * np.nan}}, "not finite"),
             ({"attributes": {"color": made["color"]}}, "surface")):
         with pytest.raises(ValueError, match=words):
             native.compress(gdm, terms=2, **bad)
-    assert native.compress(gdm, terms=2).leaps is None and native.compress(gdm, terms=2).attributes is None
+    assert native.compress(gdm, terms=2).facets is None and native.compress(gdm, terms=2).attributes is None

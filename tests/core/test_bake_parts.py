@@ -1,4 +1,4 @@
-"""A bake writes a map with a leap table and attributes, and reports and ends as it should while it makes them."""
+"""A bake writes a map with facets and attributes, and reports and ends as it should while it makes them."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from core.bake_tile import BakeRequest, bake_tile
 from core.tile_surface import TileSurface
 from tiles import chain
 
-CELLS, DIRECTIONS, NODES = (10, 8, 6), 4, (12, 10, 7)
+CELLS, NODES = 10, (12, 10, 7)
 
 
 @pytest.fixture
@@ -16,20 +16,20 @@ def request_to(tmp_path):
                           material_indices=np.zeros(len(triangles), np.int32),
                           materials=({"color": (0.25, 0.5, 1.0), "roughness": 0.25, "metallic": 1.0, "image": None},))
     return BakeRequest(surface, str(tmp_path / "mail.exr"), resolution=(8, 8, 4), directions=(4, 4),
-                       sdf_resolution=(12, 12, 7), leap_cells=CELLS, leap_directions=DIRECTIONS, attribute_resolution=NODES,
+                       sdf_resolution=(12, 12, 7), facet_cells=CELLS, attribute_resolution=NODES,
                        terms=2)
 
 
 def test_the_map_has_them(native, request_to):
     seen = []
     result = bake_tile(request_to, lambda fraction: seen.append(fraction) or True)
-    assert {"leaps", "attributes"} < result.seconds.keys()
+    assert {"facets", "attributes"} < result.seconds.keys()
     assert seen == sorted(seen) and seen[-1] == 1.0
     tile_map = native.load(request_to.path)
     surface = request_to.surface
     sample = native.Sample(surface.positions, surface.triangles, height=surface.height)
-    leaps = native.bake_leaps(sample, cells=CELLS, directions=DIRECTIONS)
-    np.testing.assert_array_equal(tile_map.leaps, leaps.values)
+    facets = native.bake_facets(sample, cells=CELLS)
+    np.testing.assert_array_equal(tile_map.facets.view(np.uint32), facets.texels.view(np.uint32))
     shape = tuple(reversed(NODES))
     attributes = tile_map.attributes
     np.testing.assert_array_equal(attributes["color"], np.broadcast_to(np.float32([0.25, 0.5, 1.0]), (*shape, 3)))

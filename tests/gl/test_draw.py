@@ -54,8 +54,8 @@ def test_draw_of_the_papers_fins_matches_render(gl, native, program, inputs):
     shell, tile_map = mail_scenes.torus_shell(native), mail_scenes.chain_map(native)
     block = native.shell_params(record.tobytes(), tile_map, clip_from_object)
     texels, depth = gl.draw_shell(program, shell, inputs, block, clip_from_object, SIZE)
-    picture = native.render(shell, tile_map, clip_from_object=clip_from_object, size=SIZE, settings=record.tobytes())
-    exact = native.render(shell, tile_map, clip_from_object=clip_from_object, size=SIZE)
+    picture = native.render(shell, tile_map, clip_from_object=clip_from_object, size=SIZE, traversal="sdf", settings=record.tobytes())
+    exact = native.render(shell, tile_map, clip_from_object=clip_from_object, size=SIZE, traversal="sdf")
     mail_scenes.check_parity(depth, texels[..., 3], picture, clip_from_object, "gdm")
     assert (picture["distance"] != exact["distance"]).mean() > 0.1, "the fins of this shell are flat"
 
@@ -76,7 +76,8 @@ def test_depth_is_the_hit_s_own(gl, native, program, inputs):
 
 def test_normals_match_render(gl, native, program, inputs):
     texels, depth = draw(gl, native, program, inputs, "above", "sdf", output=2)
-    picture = native.render(mail_scenes.torus_shell(native), mail_scenes.chain_map(native), clip_from_object=mail_scenes.VIEWS["above"], size=SIZE)
+    picture = native.render(mail_scenes.torus_shell(native), mail_scenes.chain_map(native), clip_from_object=mail_scenes.VIEWS["above"], size=SIZE,
+                            traversal="sdf")
     both = (depth < 1.0) & (picture["hit"] == 1)
     cosine = numpy.sum(texels[..., :3] * picture["normal"], axis=-1)[both]
     assert (cosine > numpy.cos(numpy.radians(0.5))).mean() >= 0.999
@@ -84,6 +85,7 @@ def test_normals_match_render(gl, native, program, inputs):
 
 def test_color_matches_render(gl, native, program, inputs):
     texels, depth = draw(gl, native, program, inputs, "close", "sdf", output=0)
-    picture = native.render(mail_scenes.torus_shell(native), mail_scenes.chain_map(native), clip_from_object=mail_scenes.VIEWS["close"], size=SIZE)
+    picture = native.render(mail_scenes.torus_shell(native), mail_scenes.chain_map(native), clip_from_object=mail_scenes.VIEWS["close"], size=SIZE,
+                            traversal="sdf")
     both = (depth < 1.0) & (picture["hit"] == 1)
     assert (numpy.abs(texels - picture["color"])[both].max(axis=-1) < 0.01).mean() >= 0.999

@@ -79,7 +79,7 @@ TEST(ExactPath, EveryPlaceIsOnTheRay)
         const glm::dvec3 q = random_place(random);
         const Ray ray = ray_through(random, truth, q);
         const double t = glm::dot(truth.position(q) - ray.origin, ray.dir) / glm::dot(ray.dir, ray.dir);
-        const ExactPath path(prism, ray.origin, ray.dir);
+        const ExactPath path(prism, ExactRay(ray.origin, ray.dir));
         bool has_place = false;
         for (int k = 0; k < path.span_count(); ++k) {
             const ExactSpan& span = path.span(k);
@@ -108,7 +108,7 @@ TEST(ExactPath, BeginsWhereAsked)
         const PrismTexels prism = random_prism(random, i % 2 == 1);
         const PrismTruth truth(prism);
         const Ray ray = ray_through(random, truth, random_place(random));
-        ExactPath path(prism, ray.origin, ray.dir);
+        ExactPath path(prism, ExactRay(ray.origin, ray.dir));
         const ExactSpan first = path.span(0);
         const int count = path.span_count();
         const double t_near = first.t_in + random.uniform(0.1, 0.9) * (first.t_out - first.t_in);
@@ -131,7 +131,7 @@ TEST(ExactPath, NothingBulgesMoreThanItsBound)
     for (int i = 0; i < 20000; ++i) {
         const PrismTexels prism = random_prism(random, i % 2 == 1);
         const Ray ray = ray_through(random, PrismTruth(prism), random_place(random));
-        const ExactPath path(prism, ray.origin, ray.dir);
+        const ExactPath path(prism, ExactRay(ray.origin, ray.dir));
         const ExactSpan& span = path.span(0);
         const double a = span.s_in + random.uniform(0.0, 0.5) * (span.s_out - span.s_in);
         const double b = span.s_in + random.uniform(0.5, 1.0) * (span.s_out - span.s_in);
@@ -190,7 +190,7 @@ TEST(ExactPath, NeighborsMeetWithoutAGap)
         std::vector<Stretch> stretches;
         const glm::vec3 dir(glm::normalize(ray.dir));
         scene.visit_along(glm::vec3(ray.origin), dir, 0.0f, [&](std::uint32_t prism, float tfar) {
-            const ExactPath path(shell.prisms[prism], ray.origin, ray.dir);
+            const ExactPath path(shell.prisms[prism], ExactRay(ray.origin, ray.dir));
             for (int k = 0; k < path.span_count(); ++k) {
                 const ExactSpan& span = path.span(k);
                 stretches.push_back({span.t_in, span.t_out, path.at(span.s_in).q.z, path.at(span.s_out).q.z});

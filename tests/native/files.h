@@ -93,18 +93,17 @@ inline Map small_map(Precision precision, bool with_sdf, std::uint32_t seed = 1)
     return map;
 }
 
-// The same with a leap table and attributes.
+// The same with facets and attributes.
 inline Map map_with_all_parts(Precision precision, std::uint32_t seed = 1)
 {
     Random random(seed + 1000);
     Map map = small_map(precision, true, seed);
-    map.leaps.cells = glm::ivec3(3, 5, 2);
-    map.leaps.directions = 4;
-    map.leaps.height = map.height;
-    map.leaps.aspect = map.aspect;
-    map.leaps.values.resize(16 * 2 * 5 * 3);
-    for (std::uint8_t& value : map.leaps.values) {
-        value = static_cast<std::uint8_t>(random.below(256));
+    map.facets.cells = facet_cells(4, map.height, map.aspect);
+    map.facets.height = map.height;
+    map.facets.aspect = map.aspect;
+    map.facets.texels.resize(std::size_t(4) * map.facets.cells.x * map.facets.cells.y * (map.facets.cells.z + 1));
+    for (float& word : map.facets.texels) {
+        word = static_cast<float>(random.below(1 << 20)) / 3.0f;  // no half
     }
     map.attributes.nodes = glm::ivec3(4, 3, 6);
     map.attributes.color.resize(72 * 3);
@@ -131,11 +130,10 @@ inline void expect_same_map(const Map& a, const Map& b)
     EXPECT_EQ(a.eigenmaps, b.eigenmaps);
     EXPECT_EQ(a.sdf_nodes, b.sdf_nodes);
     EXPECT_EQ(a.sdf, b.sdf);
-    EXPECT_EQ(a.leaps.cells, b.leaps.cells);
-    EXPECT_EQ(a.leaps.directions, b.leaps.directions);
-    EXPECT_EQ(a.leaps.height, b.leaps.height);
-    EXPECT_EQ(a.leaps.aspect, b.leaps.aspect);
-    EXPECT_EQ(a.leaps.values, b.leaps.values);
+    EXPECT_EQ(a.facets.cells, b.facets.cells);
+    EXPECT_EQ(a.facets.height, b.facets.height);
+    EXPECT_EQ(a.facets.aspect, b.facets.aspect);
+    EXPECT_EQ(a.facets.texels, b.facets.texels);
     EXPECT_EQ(a.attributes.nodes, b.attributes.nodes);
     EXPECT_EQ(a.attributes.color, b.attributes.color);
     EXPECT_EQ(a.attributes.surface, b.attributes.surface);

@@ -9,7 +9,7 @@
 #include "camera.h"
 #include "check.h"
 #include "mesoshell/attributes.h"
-#include "mesoshell/leaps.h"
+#include "mesoshell/facets.h"
 #include "mesoshell/realize.h"
 #include "mesoshell/render.h"
 #include "mesoshell/scene.h"
@@ -103,11 +103,9 @@ TEST(JobCancel, BakeSdf)
     check_cancelling([](Job& job) { bake_sdf(ball().sample(0.6f), glm::ivec3(192), job); });
 }
 
-TEST(JobCancel, BakeLeaps)
+TEST(JobCancel, BakeFacets)
 {
-    check_cancelling([](Job& job) { bake_leaps(ball().sample(0.6f), {glm::ivec3(64), 16}, job); });
-    // Few bins, each of which takes a second alone.
-    check_cancelling([](Job& job) { bake_leaps(ball().sample(0.6f), {glm::ivec3(64), 2}, job); });
+    check_cancelling([](Job& job) { bake_facets(ball().sample(0.6f), 128, job); });
 }
 
 TEST(JobCancel, ClosestPoints)
@@ -161,7 +159,7 @@ TEST(JobCancel, BeforeTheStart)
     const View view = Camera(true, {0, 0, 3}, {0, 0, 0}, 0.55, {64, 64}).view();
     EXPECT_THROW(bake_gdm(sample, gdm_grid(64, 16, 32), job), Cancelled);
     EXPECT_THROW(bake_sdf(sample, glm::ivec3(64), job), Cancelled);
-    EXPECT_THROW(bake_leaps(sample, {}, job), Cancelled);
+    EXPECT_THROW(bake_facets(sample, 32, job), Cancelled);
     EXPECT_THROW(closest_points(sample, glm::ivec3(64), job), Cancelled);
     EXPECT_THROW(compress(raw_gdm(8, 4, 4), nullptr, CompressOptions{}, job), Cancelled);
     EXPECT_THROW(realize(cube().shell(0.1f), sample, job), Cancelled);
@@ -205,9 +203,9 @@ TEST(JobFraction, BakeSdf)
     check_fraction([](Job& job) { bake_sdf(ball().sample(0.6f), glm::ivec3(20), job); });
 }
 
-TEST(JobFraction, BakeLeaps)
+TEST(JobFraction, BakeFacets)
 {
-    check_fraction([](Job& job) { bake_leaps(ball().sample(0.6f), {glm::ivec3(8), 8}, job); });
+    check_fraction([](Job& job) { bake_facets(ball().sample(0.6f), 4, job); });
 }
 
 TEST(JobFraction, ClosestPoints)

@@ -66,7 +66,7 @@ TEST(RenderInput, TraversalThatDoesNotExist)
 {
     const Shell shell = flat_grid(1, 1, 1.0f, 1.0f).shell(0.5f);
     const View view = Camera(true, {0, 0, 2}, {0, 0, 0}, 0.5, {4, 4}).view();
-    for (const int traversal : {-1, 2, 1000}) {
+    for (const int traversal : {-1, 6, 1000}) {
         expect_refusal<InvalidArgument>([&] { render_with(shell, ball_map(), view, traversal); },
                                         {"traversal", std::to_string(traversal).c_str()});
     }
@@ -87,7 +87,7 @@ TEST(RenderInput, FinsThatDoNotExist)
 {
     const Shell shell = flat_grid(1, 1, 1.0f, 1.0f).shell(0.5f);
     const View view = Camera(true, {0, 0, 2}, {0, 0, 0}, 0.5, {4, 4}).view();
-    for (const int fins : {-1, 2, 1000}) {
+    for (const int fins : {-1, 6, 1000}) {
         ShellParams params = settings(sdf_traversal);
         params.mode.z = fins;
         Job job;

@@ -117,14 +117,13 @@ TEST(Render, SdfAgreesWithARealizedPartThatThinsOut)
     EXPECT_LT(difference.median_error, 0.1 * 0.5 / 40);
 }
 
-TEST(Render, SdfConvergesToTheRealizedTorusAsPrismsShrink)
+TEST(Render, SdfFollowsCurvesWhateverThePrismsSize)
 {
-    // One straight segment a prism stands for a curve; how far it is off goes with the prism's size.
+    // With one straight segment a prism, errors would go with the square of its size.
     const Difference coarse = torus_difference(36, 24, true);
     const Difference fine = torus_difference(72, 48, true);
     EXPECT_GT(fine.pixels, 3000u);
-    EXPECT_LT(fine.error_95, 0.6 * coarse.error_95);
-    EXPECT_GT(fine.silhouette_iou, coarse.silhouette_iou);
+    EXPECT_LT(coarse.error_95, 2.0 * fine.error_95);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // Files that are no maps, or no longer: refused in a sentence, never a crash, never a changed number, never gigabytes.
 #include <algorithm>
+#include <bit>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -334,7 +336,7 @@ TEST(StoreDamage, SettingsThatMakeNoSense)
             expect_refusal<Error>([&] { load_map(path); }, {"height or aspect"});
         }
     }
-    for (const int version : {0, 3, -1}) {
+    for (const int version : {0, 4, -1}) {
         write_parts(path, 4, 4, true,
                     [&](Imf::Header& header, int) { header.insert("mesoshell:version", Imf::IntAttribute(version)); });
         expect_refusal<Error>([&] { load_map(path); }, {"format version", std::to_string(version).c_str()});
@@ -356,30 +358,38 @@ TEST(StoreDamage, ValuesThatAreNotFinite)
     }
 }
 
-// Whole files, whose checksums are right, of tables that no bake makes.
-TEST(StoreDamage, LeapTablesThatMakeNoSense)
+// Whole files, whose checksums are right, of facets that no bake makes.
+TEST(StoreDamage, FacetsThatMakeNoSense)
 {
     const TemporaryFolder folder;
     const std::string path = folder.file("tile.exr");
-    const auto save_with = [&](int directions, const glm::ivec3& cells) {
-        Map map = small_map(Precision::single, true);
-        map.leaps.directions = directions;
-        map.leaps.cells = cells;
-        map.leaps.values.resize(map.leaps.index(directions * directions, glm::ivec3(0)));
+    Map map = map_with_all_parts(Precision::half);
+    const auto refuse = [&](const Facets& facets, const char* words) {
+        map.facets = facets;
         save_map(map, path);
+        expect_refusal<Error>([&] { load_map(path); }, {"facets", words});
     };
-    save_with(16, {64, 1, 1});
-    EXPECT_EQ(load_map(path).leaps.directions, 16);
-    for (const int directions : {3, 18}) {
-        save_with(directions, {2, 2, 2});
-        expect_refusal<Error>([&] { load_map(path); }, {"leap table", "directions"});
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-        glm::ivec3 cells(2);
-        cells[axis] = 65;
-        save_with(2, cells);
-        expect_refusal<Error>([&] { load_map(path); }, {"leap table", "cells"});
-    }
+    const Facets good = map.facets;
+    const std::size_t layer = std::size_t(4) * good.cells.x * good.cells.y;
+    Facets bad = good;
+    bad.texels.resize(layer * (good.cells.z - 1));  // not a texel for each cell
+    refuse(bad, "cells");
+    bad = good;
+    bad.cells.y += 1;
+    bad.texels.resize(std::size_t(4) * bad.cells.x * bad.cells.y * bad.cells.z);
+    refuse(bad, "cells");
+    // A cell that is split, of which the first part would be the texel behind the last: signs 0101, the bit of one part.
+    bad = good;
+    const auto count = static_cast<std::uint32_t>(good.texel_count());
+    bad.texels[0] = std::bit_cast<float>(1u << 29 | 1u | count << 16);
+    bad.texels[1] = std::bit_cast<float>(1u << 31 | 1u << 29);
+    bad.texels[2] = std::bit_cast<float>(1u << 29);
+    bad.texels[3] = std::bit_cast<float>(1u << 31 | 1u << 29);
+    refuse(bad, "parts");
+    bad.texels[0] = std::bit_cast<float>(1u << 29 | 1u | (count - 1) << 16);
+    map.facets = bad;
+    save_map(map, path);
+    EXPECT_EQ(load_map(path).facets.texels, bad.texels);
 }
 
 // The file's bytes with the name of a part changed in its header to one as long.
@@ -400,7 +410,7 @@ TEST(StoreDamage, PartsWithAnotherName)
     const std::string path = folder.file("tile.exr");
     save_map(map_with_all_parts(Precision::half), path);
     const std::string whole = read_bytes(path);
-    for (const std::string name : {"gdm.weights", "gdm.eigenmaps", "sdf", "leaps", "color", "surface", "normal"}) {
+    for (const std::string name : {"gdm.weights", "gdm.eigenmaps", "sdf", "facets", "color", "surface", "normal"}) {
         std::string other = name;
         other.back() = 'X';
         write_bytes(path, with_part_renamed(whole, name, other));
@@ -413,7 +423,7 @@ TEST(StoreDamage, AttributesThatAreNotAllThere)
     const TemporaryFolder folder;
     const std::string path = folder.file("tile.exr");
     Map map = map_with_all_parts(Precision::half);
-    map.leaps = {};
+    map.facets = {};
     save_map(map, path);
     const std::string whole = read_bytes(path);
     // "color" goes by the name of a part that this map does not have.

@@ -60,29 +60,31 @@ TEST(Store, LoadsAllPartsThatWereSaved)
         const Map map = map_with_all_parts(precision);
         save_map(map, folder.file("tile.exr"));
         expect_same_map(load_map(folder.file("tile.exr")), map);
-        // Leaps without attributes, and the other way round.
+        // Facets without attributes, and the other way round.
         Map other = map;
         other.attributes = {};
         save_map(other, folder.file("tile.exr"));
         expect_same_map(load_map(folder.file("tile.exr")), other);
         other = map;
-        other.leaps = {};
+        other.facets = {};
         save_map(other, folder.file("tile.exr"));
         expect_same_map(load_map(folder.file("tile.exr")), other);
     }
 }
 
-TEST(Store, LoadsABakedLeapTable)
+TEST(Store, LoadsBakedFacets)
 {
     Job job;
     const Sample sample = sphere({0.5f, 0.5f, 0.3f}, 0.25f, 8, 12).sample(0.61f, 1.37f);
-    const Leaps leaps = bake_leaps(sample, {{9, 7, 5}, 6}, job);
+    const Facets facets = bake_facets(sample, 9, job);
     const TemporaryFolder folder;
     for (const Precision precision : {Precision::half, Precision::single}) {
         Map map = small_map(precision, true);
-        attach(map, &leaps, nullptr);
+        map.height = facets.height;
+        map.aspect = facets.aspect;
+        attach(map, &facets, nullptr);
         save_map(map, folder.file("tile.exr"));
-        EXPECT_EQ(load_map(folder.file("tile.exr")).leaps.values, leaps.values);
+        EXPECT_EQ(load_map(folder.file("tile.exr")).facets.texels, facets.texels);
     }
 }
 
@@ -104,10 +106,10 @@ TEST(Store, AttachedAttributesHaveThePrecisionOfTheMap)
 TEST(Store, AttachRefusesWhatDoesNotBelongToTheMap)
 {
     const Map all = map_with_all_parts(Precision::half);
-    Leaps leaps = all.leaps;
-    leaps.height *= 2.0f;
+    Facets facets = all.facets;
+    facets.height *= 2.0f;
     Map map = small_map(Precision::half, true);
-    expect_refusal<InvalidArgument>([&] { attach(map, &leaps, nullptr); }, {"leap table", "one sample"});
+    expect_refusal<InvalidArgument>([&] { attach(map, &facets, nullptr); }, {"facets", "one sample"});
     for (int i = 0; i < 3; ++i) {
         for (const float bad : {1e6f, std::numeric_limits<float>::quiet_NaN()}) {
             Attributes attributes = all.attributes;
@@ -121,7 +123,7 @@ TEST(Store, AttachRefusesWhatDoesNotBelongToTheMap)
     Attributes attributes = all.attributes;
     attributes.nodes.z = 1;
     expect_refusal<InvalidArgument>([&] { attach(map, nullptr, &attributes); }, {"2 nodes"});
-    EXPECT_TRUE(map.leaps.values.empty());
+    EXPECT_TRUE(map.facets.texels.empty());
     EXPECT_TRUE(map.attributes.color.empty());
 }
 
@@ -163,7 +165,7 @@ TEST(Store, FileOfVersionOne)
     const std::string name("mesoshell:version\0int\0\4\0\0\0", 26);
     int found = 0;
     for (std::size_t at = bytes.find(name); at != std::string::npos; at = bytes.find(name, at + 1), ++found) {
-        ASSERT_EQ(bytes[at + name.size()], 2);
+        ASSERT_EQ(bytes[at + name.size()], 3);
         bytes[at + name.size()] = 1;
     }
     EXPECT_EQ(found, 3);
@@ -315,8 +317,8 @@ TEST(Store, ArraysThatDoNotFitTheNodes)
         expect_refusal<InvalidArgument>([&] { save_map(map, folder.file("tile.exr")); }, {"values"});
     }
     Map map = map_with_all_parts(Precision::half);
-    map.leaps.values.pop_back();
-    expect_refusal<InvalidArgument>([&] { save_map(map, folder.file("tile.exr")); }, {"leaps", "values"});
+    map.facets.texels.pop_back();
+    expect_refusal<InvalidArgument>([&] { save_map(map, folder.file("tile.exr")); }, {"facets", "values"});
     expect_refusal<InvalidArgument>([&] { save_map(Map{}, folder.file("tile.exr")); }, {"values"});
     EXPECT_TRUE(folder.content().empty());
 }

@@ -1,4 +1,4 @@
-"""The order of the stages from a tile's arrays to a map file: sample, GDM, SDF, leaps, attributes, compress, save."""
+"""The order of the stages from a tile's arrays to a map file: sample, GDM, SDF, facets, attributes, compress, save."""
 
 import os
 import tempfile
@@ -19,8 +19,7 @@ class BakeRequest:
     resolution: tuple = (64, 64, 32)
     directions: tuple = (16, 32)
     sdf_resolution: tuple = (64, 64, 33)
-    leap_cells: tuple = (32, 32, 16)
-    leap_directions: int = 8
+    facet_cells: int = 64  # along u
     attribute_resolution: tuple = (64, 64, 33)
     terms: int = 0  # as many as the paper's 16 terms have bytes
     layout: str = "auto"
@@ -42,7 +41,7 @@ class BakeResult:
 
 
 # Shares of the whole, as measured on the chain tile; only the progress bar depends on them.
-_SHARES = (("sdf", 0.07), ("leaps", 0.12), ("attributes", 0.14), ("gdm", 0.63), ("save", 0.04))
+_SHARES = (("sdf", 0.05), ("facets", 0.40), ("attributes", 0.10), ("gdm", 0.41), ("save", 0.04))
 
 
 def check_folder(path):
@@ -125,11 +124,11 @@ def bake_tile(request, progress=None):
                                thickness=surface.thickness)
     sdf = stage("sdf", lambda inner: module.bake_sdf(
         sample, resolution=request.sdf_resolution, threads=request.threads, progress=inner))
-    leaps = stage("leaps", lambda inner: module.bake_leaps(
-        sample, cells=request.leap_cells, directions=request.leap_directions, threads=request.threads, progress=inner))
+    facets = stage("facets", lambda inner: module.bake_facets(
+        sample, cells=request.facet_cells, threads=request.threads, progress=inner))
     shown = stage("attributes", look_at_surface)
     baked = stage("gdm", lambda inner: module.bake_map(
-        sample, resolution=request.resolution, directions=request.directions, sdf=sdf, leaps=leaps, attributes=shown,
+        sample, resolution=request.resolution, directions=request.directions, sdf=sdf, facets=facets, attributes=shown,
         terms=request.terms or None, layout=request.layout, precision=request.precision, memory=request.memory,
         threads=request.threads, progress=inner))
     stage("save", lambda inner: baked.save(request.path))

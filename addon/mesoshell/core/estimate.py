@@ -13,13 +13,13 @@ _BAKE_A_SAMPLE = 12.0
 _GRAM_A_PRODUCT = 0.0105  # paper, share: a sample times a column
 _TERM_A_PRODUCT = 0.085  # nodes: a sample times a term
 _SDF_A_NODE = 2200.0
-_LEAPS_A_CELL = 12000.0
+_FACETS_A_CELL = 90000.0
 _ATTRIBUTES_A_NODE = 3500.0
 _SAVE_A_BYTE = 60.0
 _EACH_BAKE = 0.1  # seconds, whatever the resolution
 # Bytes in a file for each byte of an array, as ZIP packs those of the samples.
 _PACKED = {"byte": 0.95, "half": 0.7, "float": 0.9}
-_SDF_BYTES, _LEAP_BYTES, _ATTRIBUTE_BYTES = 1.9, 0.5, 3.0
+_SDF_BYTES, _FACET_BYTES, _ATTRIBUTE_BYTES = 1.9, 8.0, 3.0
 
 
 @dataclass(frozen=True)
@@ -39,12 +39,13 @@ class Estimate:
         return f"About {_time(self.seconds)}, {_bytes(self.memory)} RAM, a file of {_bytes(self.file_bytes)}"
 
 
-def estimate(resolution, directions, sdf_resolution, leap_cells, attribute_resolution, terms=0, layout="auto", precision="byte",
-             memory=0.0, threads=0, correction=1.0, leap_directions=8):
+def estimate(resolution, directions, sdf_resolution, facet_cells, attribute_resolution, terms=0, layout="auto", precision="byte",
+             memory=0.0, threads=0, correction=1.0):
     """The Estimate of a bake; arguments as in BakeRequest, `correction` multiplies the time. Raises ValueError."""
     plan = native.module().plan_bake(resolution=resolution, directions=directions, terms=terms or None, layout=layout,
                                      precision=precision, memory=memory)
-    sdf, cells, attribute = (float(np.prod(nodes)) for nodes in (sdf_resolution, leap_cells, attribute_resolution))
+    sdf, attribute = (float(np.prod(nodes)) for nodes in (sdf_resolution, attribute_resolution))
+    cells = 0.4 * facet_cells ** 3  # a tile as high as most
     samples = float(np.prod(resolution)) * float(np.prod(directions))
     packed = plan["term_bytes"] * _PACKED[precision]
     nanoseconds = samples * _BAKE_A_SAMPLE
@@ -53,8 +54,8 @@ def estimate(resolution, directions, sdf_resolution, leap_cells, attribute_resol
     else:
         passes = 1 if plan["blocks"] == 1 else 3
         nanoseconds += samples * (_BAKE_A_SAMPLE * (passes - 1) + directions[0] * resolution[2] * _GRAM_A_PRODUCT)
-    nanoseconds += sdf * _SDF_A_NODE + cells * _LEAPS_A_CELL + attribute * _ATTRIBUTES_A_NODE
-    file_bytes = packed + sdf * _SDF_BYTES + cells * leap_directions ** 2 * _LEAP_BYTES + attribute * _ATTRIBUTE_BYTES
+    nanoseconds += sdf * _SDF_A_NODE + cells * _FACETS_A_CELL + attribute * _ATTRIBUTES_A_NODE
+    file_bytes = packed + sdf * _SDF_BYTES + cells * _FACET_BYTES + attribute * _ATTRIBUTE_BYTES
     seconds = correction * 1e-9 * nanoseconds / (threads or os.cpu_count() or 1) + _EACH_BAKE + 1e-9 * file_bytes * _SAVE_A_BYTE
     return Estimate(seconds, plan["used"], file_bytes, plan)
 

@@ -65,12 +65,9 @@ def density_volume(sdf):
     return numpy.rint(density * numpy.float32(256.0)) / numpy.float32(256.0)
 
 
-def leap_table(tile_map):
-    """R16F [bins * cz, cy, cx, 1]: the bounds of a map's leap table in tile widths; one texel of 0 where it has none."""
-    if tile_map.leaps is None:
-        return numpy.zeros((1, 1, 1, 1), numpy.float32)
-    bins, cz, cy, cx = tile_map.leaps.shape
-    return (tile_map.leaps.astype(numpy.float32) * numpy.float32(tile_map.leap_unit)).reshape(bins * cz, cy, cx, 1)
+def facet_volume(tile_map):
+    """RGBA32F [depth, cy, cx, 4]: the facets of a map, bit for bit; one texel of 0 where it has none."""
+    return numpy.zeros((1, 1, 1, 4), numpy.float32) if tile_map.facets is None else numpy.ascontiguousarray(tile_map.facets)
 
 
 def hull_corners(prism_count):

@@ -7,7 +7,7 @@ from mathutils import Matrix
 from ..core import native, shader_source
 from . import program, resources
 
-TRAVERSALS = {"gdm": 0, "sdf": 1, "march": 3, "slices": 4}  # shaders/lib/traverse.glsl
+TRAVERSALS = {"gdm": 0, "sdf": 1, "refined": 2, "march": 3, "slices": 4}  # shaders/lib/traverse.glsl
 FINS = {"exact": 0, "paper": 1}  # shaders/lib/shell_hit.glsl
 OUTPUTS = {"color": 0, "texture": 1, "normal": 2}  # shaders/lib/pixel.glsl
 
@@ -51,7 +51,7 @@ def draw_shell(instance, clip_from_world, lights, *, output="color"):
         fins=instance.settings.fins,
     )
     block = native.module().shell_params(record.tobytes(), instance.map, clip_from_object)
-    shader = program.shell_program()
+    shader = program.shell_program(TRAVERSALS[instance.settings.traversal], FINS[instance.settings.fins])
     shell = resources.shell_resources(instance.shell, instance.place, instance.shell_version)
     tile_map = resources.map_resources(instance.map, instance.map_version)
 
@@ -71,7 +71,7 @@ def draw_shell(instance, clip_from_world, lights, *, output="color"):
         shader.uniform_sampler("gdm_eigenmaps", tile_map.gdm_eigenmaps)
         shader.uniform_sampler("sdf_volume", tile_map.sdf_volume)
         shader.uniform_sampler("density_volume", tile_map.density_volume)
-        shader.uniform_sampler("leap_table", tile_map.leap_table)
+        shader.uniform_sampler("facet_volume", tile_map.facet_volume)
         shell.hulls.draw(shader)
     finally:
         depth_test, depth_mask, blend = before

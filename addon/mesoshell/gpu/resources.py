@@ -45,7 +45,7 @@ class MapResources:
         self.gdm_eigenmaps = _texture(packing.gdm_eigenmaps(tile_map.eigenmaps), "RGBA16F")
         self.sdf_volume = _texture(packing.sdf_volume(tile_map.sdf), "R16F")
         self.density_volume = _texture(packing.density_volume(tile_map.sdf), "R16F")
-        self.leap_table = _texture(packing.leap_table(tile_map), "R16F")
+        self.facet_volume = _texture(packing.facet_volume(tile_map), "RGBA32F")
         self.last_draw = _draws
 
 

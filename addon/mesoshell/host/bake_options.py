@@ -45,8 +45,9 @@ class BakeOptions(SourceOptions):
                                   default=(16, 32), min=2, max=256, options=_ONCE)
     sdf_resolution: IntVectorProperty(name="SDF nodes", description="Nodes of the signed distance field", size=3,
                                       default=(64, 64, 33), min=2, max=1024, options=_ONCE)
-    leap_cells: IntVectorProperty(name="Leap cells", description="Cells of the table of safe leaps along u, v and w", size=3,
-                                  default=(32, 32, 16), min=1, max=256, options=_ONCE)
+    facet_cells: IntProperty(name="Facet cells", description="Cells along u of the facets, by which rays find the surface. "
+                             "Along v and w there are so many that cells are nearly cubes", default=64, min=4, max=128,
+                             options=_ONCE)
     attribute_resolution: IntVectorProperty(name="Color nodes", description="Nodes of color, roughness, metallic and normal",
                                             size=3, default=(64, 64, 33), min=2, max=1024, options=_ONCE)
     terms: IntProperty(name="Terms", description="Terms of the singular value decomposition to keep; 0: as many as have the "
@@ -59,9 +60,9 @@ class BakeOptions(SourceOptions):
 
     def quality(self, value):
         """Arguments of a BakeRequest and of an estimate; `value(name)` is what holds for a property."""
-        names = ("resolution", "directions", "sdf_resolution", "leap_cells", "attribute_resolution")
+        names = ("resolution", "directions", "sdf_resolution", "attribute_resolution")
         return {name: tuple(value(name)) for name in names} | {
-            "terms": value("terms"), "layout": value("layout"), "precision": value("precision"),
+            "facet_cells": value("facet_cells"), "terms": value("terms"), "layout": value("layout"), "precision": value("precision"),
             "memory": 1e9 * value("memory_limit")}
 
 

@@ -39,7 +39,7 @@ def learn(request, seconds):
 
 
 def quality_of(request):
-    names = ("resolution", "directions", "sdf_resolution", "leap_cells", "attribute_resolution", "terms", "layout", "precision",
+    names = ("resolution", "directions", "sdf_resolution", "facet_cells", "attribute_resolution", "terms", "layout", "precision",
              "memory")
     return {name: getattr(request, name) for name in names}
 

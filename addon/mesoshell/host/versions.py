@@ -13,9 +13,10 @@ FLAT_COLOR_SHADER, SMOOTH_COLOR_SHADER, LINE_SHADER = (
     _PREFIX + name for name in ('UNIFORM_COLOR', 'SMOOTH_COLOR', 'POLYLINE_UNIFORM_COLOR'))
 
 
+# Whether the sizes of faces follow from where each begins: since 3.6.
+FACE_SIZES_FOLLOW = bpy.types.MeshPolygon.bl_rna.properties["loop_total"].is_readonly
 # The name of the render pass of objects' indices, by which the compositor and files know it.
 OBJECT_INDEX_PASS = "Object Index" if bpy.app.version >= (5, 0, 0) else "IndexOB"
-
 
 WIDEST_SUN = 3.14  # radians, of what is rendered: less than half of all directions, which Blender's greatest angle is
 
@@ -61,6 +62,18 @@ def corner_normals(mesh):
         mesh.loops.foreach_get("normal", normals)
         mesh.free_normals_split()
     return normals.reshape(-1, 3)
+
+
+def set_corner_normals(mesh, normals):
+    """Shades a mesh whose faces are smooth by normals [corners, 3]; before 4.1 that takes Auto Smooth."""
+    mesh.normals_split_custom_set(normals)
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True
+
+
+def shade_flat(mesh):
+    """Makes the faces of a mesh flat."""
+    mesh.polygons.foreach_set("use_smooth", np.zeros(len(mesh.polygons), bool))
 
 
 def has_custom_normals(mesh):

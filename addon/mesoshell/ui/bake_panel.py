@@ -61,7 +61,7 @@ class MESOSHELL_PT_bake_quality(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         layout = split_layout(self)
         settings = context.scene.mesoshell
-        for name in ("resolution", "directions", "sdf_resolution", "leap_cells", "attribute_resolution"):
+        for name in ("resolution", "directions", "sdf_resolution", "facet_cells", "attribute_resolution"):
             layout.prop(settings, name)
         _draw_all(layout, settings, "layout", "terms", "precision")
         layout.prop(settings, "memory_limit")

@@ -6,8 +6,8 @@
 
 #include "mesoshell/attributes.h"
 #include "mesoshell/bake.h"
+#include "mesoshell/facets.h"
 #include "mesoshell/job.h"
-#include "mesoshell/leaps.h"
 
 namespace mesoshell {
 
@@ -34,7 +34,7 @@ struct Map {
     std::vector<float> eigenmaps;  // [terms, eigen_azimuths, ntheta, nz]
     glm::ivec3 sdf_nodes{0};       // (mx, my, mz); all 0 without a distance field
     std::vector<float> sdf;        // [mz, my, mx], tile widths, negative inside
-    Leaps leaps;                   // without cells where there is no leap table
+    Facets facets;                 // without cells where there are none
     Attributes attributes;         // without nodes where there are none
     float rmse = 0.0f;             // of the terms as stored against the raw GDM, over the grid, tile widths
     float max_error = 0.0f;        // the largest of them, tile widths
@@ -79,9 +79,9 @@ BakePlan plan_bake(const GdmResolution& resolution, const CompressOptions& optio
 Map bake_map(const Sample& sample, const GdmResolution& resolution, Engine engine, const Sdf* sdf, const CompressOptions& options,
              double memory, Job& job);
 
-// Makes a leap table and attributes parts of a map, the latter in its precision; either may be null. Throws InvalidArgument
-// for a table of another tile, and for attributes whose arrays do not fit their nodes or hold what is not finite in that
+// Makes facets and attributes parts of a map, the latter in its precision; either may be null. Throws InvalidArgument
+// for facets of another tile, and for attributes whose arrays do not fit their nodes or hold what is not finite in that
 // precision.
-void attach(Map& map, const Leaps* leaps, const Attributes* attributes);
+void attach(Map& map, const Facets* facets, const Attributes* attributes);
 
 }  // namespace mesoshell
