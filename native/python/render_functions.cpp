@@ -214,7 +214,8 @@ PyObject* traversal_tuple()
 PyMethodDef functions[] = {
     {"render", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_render)), METH_VARARGS | METH_KEYWORDS,
      "render(shell, map, *, clip_from_object, size, traversal='refined', settings=None, sample=None, threads=0, progress=None)\n--\n\n"
-     "A picture by the shader text on the CPU, as a dict of arrays [h, w, ...]; row 0 is the bottom."},
+     "A picture by the shader text on the CPU, as a dict of arrays [h, w, ...]; row 0 is the bottom. The traversal 'exact' asks "
+     "the Sample that the map was baked from instead of the map: rays along their true paths against its triangles."},
     {"realize", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_realize)), METH_VARARGS | METH_KEYWORDS,
      "realize(shell, sample, *, error=0.001, caps=True, normals=None, threads=0, progress=None)\n--\n\n"
      "The sample's triangles warped into the shell: a dict of positions [n, 3], triangles [m, 3], texture [m, 3, 3], "

@@ -43,7 +43,7 @@ struct Rendering {
 };
 
 // mode.x of the settings chooses the traversal (mesoshell/traversal.h), mode.z the fins; mode.y is ignored. `sample` is the tile
-// itself: `exact` needs it. Throws InvalidArgument; Cancelled.
+// itself: `exact` needs it, whose normals are those of its triangles. Throws InvalidArgument; Cancelled.
 Rendering render(const Shell& shell, const Map& map, const View& view, const ShellParams& settings, Job& job,
                  const Sample* sample = nullptr);
 
