@@ -219,8 +219,8 @@ PyMethodDef functions[] = {
     {"realize", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_realize)), METH_VARARGS | METH_KEYWORDS,
      "realize(shell, sample, *, error=0.001, caps=True, normals=None, threads=0, progress=None)\n--\n\n"
      "The sample's triangles warped into the shell: a dict of positions [n, 3], triangles [m, 3], texture [m, 3, 3], "
-     "weights [m, 3, 2], source [m], prism [m], open_edges and, where the sample's corners are given some [3 * triangles, 3], "
-     "normals [m, 3, 3]."},
+     "weights [m, 3, 2], source [m], prism [m], open_edges and, where the sample's corners are given some "
+     "[3 * triangles, 3], normals [m, 3, 3]."},
     {"trace", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_trace)), METH_VARARGS | METH_KEYWORDS,
      "trace(positions, triangles, *, clip_from_object, size, threads=0, progress=None)\n--\n\n"
      "A picture of any triangle mesh by Embree: a dict of hit, distance and normal [h, w, ...]."},

@@ -1,11 +1,15 @@
 #include "realize_charts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "mesoshell/error.h"
 #include "mesoshell/seams.h"

@@ -1,13 +1,17 @@
 #include "realize_tile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "embree_scene.h"
 #include "parallel.h"

@@ -1,10 +1,14 @@
 #include "slab_caps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "flat_fill.h"
 #include "plane_side.h"

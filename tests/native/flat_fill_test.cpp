@@ -34,13 +34,15 @@ double twice_area(const glm::i64vec2& a, const glm::i64vec2& b, const glm::i64ve
 }
 
 // A star about a center, its radii at random within [low, high]; clockwise for holes.
-std::vector<glm::i64vec2> star(Random& random, const glm::dvec2& center, double low, double high, int corners, bool clockwise)
+std::vector<glm::i64vec2> star(Random& random, const glm::dvec2& center, double low, double high, int corners,
+                               bool clockwise)
 {
     std::vector<glm::i64vec2> ring;
     for (int i = 0; i < corners; ++i) {
         const double angle = (clockwise ? -1.0 : 1.0) * 2.0 * 3.14159265358979 * (i + random.uniform(0.1, 0.9)) / corners;
         const double radius = random.uniform(low, high);
-        ring.emplace_back(std::llround(center.x + radius * std::cos(angle)), std::llround(center.y + radius * std::sin(angle)));
+        ring.emplace_back(std::llround(center.x + radius * std::cos(angle)),
+                          std::llround(center.y + radius * std::sin(angle)));
     }
     return ring;
 }

@@ -174,7 +174,8 @@ TEST(RealizeClosed, BallCutByTheSlabIsCapped)
     EXPECT_EQ(mesh.open_edges, 0u);
     EXPECT_NEAR(volume_of(mesh), 2.0 * volume, 1e-5);
     // On a torus, cut below and above, in the tile and across its borders.
-    for (const glm::vec3& center : {glm::vec3(0.5f, 0.5f, 0.0f), glm::vec3(0.95f, 0.02f, 0.1f), glm::vec3(0.38f, 0.28f, 0.45f)}) {
+    for (const glm::vec3& center :
+         {glm::vec3(0.5f, 0.5f, 0.0f), glm::vec3(0.95f, 0.02f, 0.1f), glm::vec3(0.38f, 0.28f, 0.45f)}) {
         const Sample cut = merged(sphere(center, 0.2f, 8, 12), ring({0.5f, 0.5f, 0.2f}, 0.42f, 0.03f)).sample(0.4f);
         const RealizedMesh capped = realized(donut().shell(0.25f), cut);
         EXPECT_EQ(edges_of(capped).open, 0u);
@@ -260,7 +261,8 @@ TEST(RealizeClosed, RelaxedTopIsClosedToo)
 TEST(RealizeClosed, TileOnTheLatticeOfTheSurface)
 {
     // Columns, fins and the sheet's vertices and edges lie in one another, everywhere.
-    const RealizedMesh mesh = realized(torus(1.0f, 0.4f, 24, 12, 6.0f, 3.0f).shell(0.25f), slab(0.1f, 0.3f, 1.0f, 4, 4).sample(0.4f));
+    const Shell shell = torus(1.0f, 0.4f, 24, 12, 6.0f, 3.0f).shell(0.25f);
+    const RealizedMesh mesh = realized(shell, slab(0.1f, 0.3f, 1.0f, 4, 4).sample(0.4f));
     EXPECT_EQ(edges_of(mesh).irregular, 0u);
     EXPECT_EQ(euler_characteristic(mesh), 0);
     expect_distinct(mesh.positions);
@@ -353,7 +355,8 @@ TEST(RealizeClosed, ThreadsDoNotChangeAnything)
 TEST(RealizeClosed, ErrorMustBePositive)
 {
     for (const float error : {0.0f, -1.0f, std::nanf("")}) {
-        expect_refusal<InvalidArgument>([&] { realized(donut().shell(0.25f), chain_sample(), true, error); }, {"error", "positive"});
+        expect_refusal<InvalidArgument>([&] { realized(donut().shell(0.25f), chain_sample(), true, error); },
+                                        {"error", "positive"});
     }
 }
 

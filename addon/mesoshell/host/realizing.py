@@ -9,7 +9,7 @@ _PLAIN_COLOR, _PLAIN_UVS = "Color", "UVMap"
 
 
 def add_object(obj, realized, surface, name):
-    """A mesh object of a Realized of a TileSurface, in the collections and at the place of `obj`; it becomes the active one."""
+    """A mesh object of a Realized of a TileSurface, in the collections and at the place of `obj`."""
     mesh = bpy.data.meshes.new(name)
     made = None
     try:

@@ -80,7 +80,8 @@ class _Pieces:
 
     def __init__(self, box):
         self._box = box
-        self._meshes = {}  # what copies share: (evaluated data, slots of the object) -> (MeshCorners, colors, uvs, materials, slots)
+        # What copies share: (evaluated data, slots of the object) -> (MeshCorners, colors, uvs, materials, slots).
+        self._meshes = {}
         self._copies = []  # (key of the above, affine [3, 4])
         self._table, self._indices = [], {}  # of materials
         self._slots = {}  # numbers of materials by name

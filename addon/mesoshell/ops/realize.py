@@ -21,8 +21,8 @@ class MESOSHELL_OT_realize(bpy.types.Operator):
                            options={'SKIP_SAVE'})
     tile: StringProperty(name="Tile", description="Name of the tile object that the map was baked from; if empty, the "
                          "source that the scene's settings name", options={'SKIP_SAVE'})
-    error: FloatProperty(name="Error", description="How far edges may lie beside the curves that the shell makes of them, in "
-                         "tile widths", default=0.001, min=1e-5, soft_max=0.1, precision=4, options={'SKIP_SAVE'})
+    error: FloatProperty(name="Error", description="How far edges may lie beside the curves that the shell makes of them, "
+                         "in tile widths", default=0.001, min=1e-5, soft_max=0.1, precision=4, options={'SKIP_SAVE'})
     caps: BoolProperty(name="Caps", description="Close the solid where the tile's height, the border of the shell and seams "
                        "cut it", default=True, options={'SKIP_SAVE'})
     most_triangles: IntProperty(name="Most Triangles", description="Refuse to make more than about so many, in millions",
@@ -57,8 +57,8 @@ class MESOSHELL_OT_realize(bpy.types.Operator):
         realizing.activate(context, mesh_object)
         for notice in made.notices:
             self.report({'WARNING'}, notice)
-        self.report({'INFO'}, f'"{mesh_object.name}" has {len(made.triangles):,} triangles of {instance.shell.prism_count:,} '
-                              f'prisms with the tile "{surface.name}"')
+        self.report({'INFO'}, f'"{mesh_object.name}" has {len(made.triangles):,} triangles of '
+                              f'{instance.shell.prism_count:,} prisms with the tile "{surface.name}"')
         return {'FINISHED'}
 
     def _tile(self, context, depsgraph):
@@ -75,15 +75,15 @@ class MESOSHELL_OT_realize(bpy.types.Operator):
         shown = instance.map
         if (abs(shown.height - surface.height) > _SAME_PROPORTIONS * shown.height
                 or abs(shown.aspect - surface.aspect) > _SAME_PROPORTIONS * shown.aspect):
-            self.report({'WARNING'}, f'The shell of "{obj.name}" shows a tile {shown.height:.4g} high and {shown.aspect:.4g} '
-                                     f'long, "{surface.name}" is {surface.height:.4g} high and {surface.aspect:.4g} long: '
-                                     "it looks different from what is drawn")
+            self.report({'WARNING'}, f'The shell of "{obj.name}" shows a tile {shown.height:.4g} high and '
+                                     f'{shown.aspect:.4g} long, "{surface.name}" is {surface.height:.4g} high and '
+                                     f"{surface.aspect:.4g} long: it looks different from what is drawn")
         self._check_count(obj, instance, realized.estimated_triangles(instance.shell.prisms, surface))
 
     def _check_count(self, obj, instance, count):
         if count > self.most_triangles * 1_000_000:
-            raise ValueError(f'"{obj.name}" would be {count:,} triangles or more in {instance.shell.prism_count:,} prisms: use '
-                             "fewer tiles, a simpler tile or fewer subdivision levels, or raise Most Triangles "
+            raise ValueError(f'"{obj.name}" would be {count:,} triangles or more in {instance.shell.prism_count:,} prisms: '
+                             "use fewer tiles, a simpler tile or fewer subdivision levels, or raise Most Triangles "
                              f"({self.most_triangles} million)")
 
 

@@ -49,8 +49,8 @@ struct RealizedMesh {
 // first, and a few small holes may be left where one of its edges passes a prism's column very near. open_edges counts what
 // is open.
 //
-// Throws InvalidArgument for options out of range or of a wrong count, UVs that span more than 4096 tiles in a prism, a prism whose UVs turn
-// over between base and top, and a result of more than 2^30 triangles; Cancelled.
+// Throws InvalidArgument for options out of range or of a wrong count, UVs that span more than 4096 tiles in a prism, a
+// prism whose UVs turn over between base and top, and a result of more than 2^30 triangles; Cancelled.
 RealizedMesh realize(const Shell& shell, const Sample& sample, const RealizeOptions& options, Job& job);
 inline RealizedMesh realize(const Shell& shell, const Sample& sample, Job& job)
 {
