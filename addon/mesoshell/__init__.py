@@ -20,6 +20,7 @@ NAMES = [
     "host.properties",
     "host.overlay_options",
     "host.bake_options",
+    "host.render_options",
     "host.shells",
     "host.bake_state",
     "ops.add_tile_box",
@@ -30,9 +31,12 @@ NAMES = [
     "ops.remove_shell",
     "ops.check_shell",
     "ops.unwrap",
+    "ops.realize",
     "ui.bake_panel",
     "ui.shell_panel",
     "ui.shell_subpanels",
+    "engine.engine",
+    "ui.engine_panels",
 ]
 if not bpy.app.background:
     NAMES.append("gpu.handler")
