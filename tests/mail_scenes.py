@@ -116,10 +116,10 @@ def check_parity(depth, drawn, picture, clip_from_object, traversal):
     """Assert that a drawing is the rendering, and print the worst pixel.
 
     `depth` and `drawn` [h, w] are the drawing's depth buffer and its distances, `picture` the rendering. Of a thousand
-    pixels one at most is hit by one of them only. With `sdf` every pixel agrees to 1e-3, in the depth buffer's measure or,
-    right before the eye where that has no end, in object units. All but one in a thousand do so in object units, with the
-    others too: at a grazing hit, or at the edge of what a lookup takes for a surface, a rounding decides between two places
-    along the ray.
+    pixels one at most is hit by one of them only, and all but one agree to 1e-3 in object units: at a grazing hit, or at the
+    edge of what a lookup or a layer takes for a surface, a rounding decides between two places along the ray. With traversals
+    that find the surface itself, all but one in ten thousand agree to 1e-3 in the depth buffer's measure or, right before the
+    eye where that has no end, in object units: there a rounding decides by how many chords a curve is followed.
     """
     hit, expected = depth < 1.0, picture["hit"] == 1
     both = hit & expected
@@ -132,7 +132,7 @@ def check_parity(depth, drawn, picture, clip_from_object, traversal):
           f"rendered, {in_depth[y, x]:.2g} in depth")
     assert expected.mean() > 0.1, "the view shows too little to compare"
     assert (hit == expected).mean() >= 0.999
-    assert traversal != "sdf" or ((in_depth <= 1e-3) | (in_distance <= 1e-3)).all()
+    assert traversal in ("gdm", "slices") or ((in_depth <= 1e-3) | (in_distance <= 1e-3))[both].mean() >= 0.9999
     assert (in_distance[both] <= 1e-3).mean() >= 0.999
 
 

@@ -32,7 +32,7 @@ void main()
     if (params.mode.y == OUTPUT_TEXTURE) {
         frag_color = vec4(hit.pos_texture, seen_distance(params.eye_object, hit.t, t_near));
     } else {
-        vec3 normal_object = hit_normal(prism, hit, params.mode.x, tile);
+        vec3 normal_object = hit_normal(prism, hit, SHELL_TRAVERSAL, tile);
         if (params.mode.y == OUTPUT_NORMAL) {
             frag_color = vec4(normal_object, float(hit.fetches));
         } else {
