@@ -115,7 +115,9 @@ TEST(ExactTruth, MappedTrianglesConvergeToIt)
 void check_law(const Shell& shell, const Sample& sample, const glm::dvec3& eye)
 {
     Job job;
-    const RealizedMesh mesh = realize(shell, sample, job);
+    RealizeOptions options;
+    options.error = 2.5e-4f;
+    const RealizedMesh mesh = realize(shell, sample, options, job);
     const Camera camera(true, eye, {0, 0, 0}, 0.55, {256, 256});
     const Rendering drawn = render_exactly(shell, sample, camera.view());
     const Trace truth = trace(mesh.positions, mesh.triangles, camera.view(), job);
