@@ -79,7 +79,8 @@ class Scene:
 
 def caption(f):
     """Words under a difference image."""
-    words = [f"IoU {f['iou']:.4f}", f"mean {f['depth_mean']:.3f}", f"p99 {f['depth_p99']:.3g}"]
+    percentile = format(f["depth_p99"], ".2f" if f["depth_p99"] < 10 else ".0f")
+    words = [f"IoU {f['iou']:.4f}", f"mean {f['depth_mean']:.3f}", f"p99 {percentile}"]
     return words + ([f"fetch {f['fetches']:.0f}"] if f["fetches"] > 0 else [])
 
 

@@ -6,6 +6,7 @@ import hashlib
 import json
 import shutil
 from dataclasses import dataclass
+from functools import cache
 
 from common import BUILD, STAGE
 
@@ -18,7 +19,6 @@ FIELDS = {"default": (64, 64, 33), "fine": (128, 128, 65)}
 # What a traversal and the normal at its hit read.
 READS = {"gdm": ("terms", "sdf"), "sdf": ("sdf",), "refined": ("facets", "sdf"), "march": ("density", "sdf"),
          "slices": ("density", "sdf"), "exact": ("triangles",)}
-
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,9 @@ class Variant:
 
 
 def variants_of(traversals):
-    """All that is measured, in the table's order: each traversal, and sphere tracing in finer fields to judge `refined` by."""
-    return [Variant(traversal, field) for traversal in traversals for field in (FIELDS if traversal == "sdf" else ["default"])]
+    """All that is measured, in the table's order: each traversal, and sphere tracing in a finer field beside `refined`."""
+    return [Variant(traversal, field) for traversal in traversals for field in FIELDS
+            if field == "default" or traversal == "sdf"]
 
 
 def sample_of(native, tile):
@@ -50,17 +51,24 @@ def sample_of(native, tile):
 def tile_map(native, tile, sample, variant, small=False):
     """The variant's map of the tile, from the cache where it is there. `small`: few nodes and terms of the GDM."""
     settings = {"sdf": FIELDS[variant.field], "small": small}
-    folder = CACHE / hashlib.sha256(LIBRARY.read_bytes()).hexdigest()[:16]
+    folder = CACHE / module_hash()
     key = hashlib.sha256(json.dumps([settings, tile.height, tile.aspect]).encode())
     key.update(tile.positions.tobytes() + tile.triangles.tobytes())
     path = folder / f"{tile.name}-{key.hexdigest()[:16]}.exr"
     if not path.is_file():
         forget_others(folder)
-        grid = {"resolution": (32, 32, 16), "directions": (8, 12), "terms": 8} if small else {}
+        default = variant.field == "default"  # a finer field is for sphere tracing, which reads nothing else
+        grid = {} if default and not small else {"resolution": (32, 32, 16), "directions": (8, 12), "terms": 8}
         native.bake_map(sample, sdf=native.bake_sdf(sample, resolution=FIELDS[variant.field]),
-                        facets=native.bake_facets(sample), **grid).save(str(path))
+                        facets=native.bake_facets(sample) if default else None, **grid).save(str(path))
     # Always as a file holds it, so that a run from the cache is the run that filled it.
     return native.load(str(path))
+
+
+@cache
+def module_hash():
+    """What stands for the module in the cache: always of the one that this process began with."""
+    return hashlib.sha256(LIBRARY.read_bytes()).hexdigest()[:16]
 
 
 def forget_others(folder):

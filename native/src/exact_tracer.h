@@ -19,8 +19,9 @@ struct ExactHit {
 
 class ExactTracer {
 public:
-    // The path is replaced by chords that lie within this of it, in tile widths; a hit is then moved back onto it.
-    static constexpr double most_bulge = 1e-4;
+    // The path is replaced by chords that lie within this of it, in tile widths; a hit is then moved back onto it. What a chord
+    // misses stays missed: at 1e-4, 2 in 1000 hits on thin tubes differed from a mesh as fine, at this 4 in 10,000.
+    static constexpr double most_bulge = 2e-5;
 
     explicit ExactTracer(const Sample& sample);
 
