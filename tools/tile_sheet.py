@@ -6,15 +6,16 @@ A picture of 256 colors, so that it stays small.
 """
 
 import argparse
-import struct
 import sys
 import tempfile
-import zlib
 from pathlib import Path
 
 import bpy
 import numpy as np
 from mathutils import Vector
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from png import write_indexed_png  # noqa: E402
 
 SIZE, SAMPLES, COLUMNS = 264, 64, 3
 NAMES = ["Weave", "Grid", "Chain", "Squama", "Bark", "Fur"]
@@ -68,20 +69,6 @@ def palette_of(pixels, count=256, rounds=12):
     return np.round(palette).astype(np.uint8), nearest(pixels).astype(np.uint8)
 
 
-def write_png(path, picture):
-    """An indexed PNG of the picture, uint8 [h, w, 3]."""
-    height, width, _ = picture.shape
-    palette, index = palette_of(picture.reshape(-1, 3))
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    lines = np.concatenate([np.zeros((height, 1), np.uint8), index.reshape(height, width)], axis=1)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0))
-                     + chunk(b"PLTE", palette.tobytes()) + chunk(b"IDAT", zlib.compress(lines.tobytes(), 9))
-                     + chunk(b"IEND", b""))
-
-
 def main(arguments):
     parser = argparse.ArgumentParser(prog="tile_sheet.py")
     parser.add_argument("--out", type=Path, required=True, help="the PNG to write")
@@ -96,7 +83,9 @@ def main(arguments):
     with tempfile.TemporaryDirectory() as folder:
         pictures = [render(obj, Path(folder)) for obj in tiles]
     rows = [np.concatenate(pictures[first:first + COLUMNS], axis=1) for first in range(0, len(pictures), COLUMNS)]
-    write_png(out, np.concatenate(rows))
+    picture = np.concatenate(rows)
+    palette, index = palette_of(picture.reshape(-1, 3))
+    write_indexed_png(out, palette, index.reshape(picture.shape[:2]))
 
 
 main(sys.argv[sys.argv.index("--") + 1:])

@@ -30,6 +30,7 @@ NAMES = [
     "ops.remove_shell",
     "ops.check_shell",
     "ops.unwrap",
+    "ops.realize",
     "ui.bake_panel",
     "ui.shell_panel",
     "ui.shell_subpanels",

@@ -56,7 +56,7 @@ int execute(PyObject* module)
                       state.cancelled) != 0 ||
         add_arrays(module) != 0 || add_sample(module) != 0 || add_bake(module) != 0 || add_facets(module) != 0 ||
         add_map(module) != 0 || add_map_functions(module) != 0 || add_shell(module) != 0 || add_render(module) != 0 ||
-        add_volume(module) != 0 || add_attributes(module) != 0 || add_folds(module) != 0 ||
+        add_scene(module) != 0 || add_volume(module) != 0 || add_attributes(module) != 0 || add_folds(module) != 0 ||
         PyModule_AddFunctions(module, functions) != 0 ||
         PyModule_AddStringConstant(module, "__version__", MESOSHELL_VERSION) != 0) {
         return -1;

@@ -1,16 +1,18 @@
-// mesoshell_native.render, realize, trace, eye, shell_params
+// mesoshell_native.render, realize, trace, eye, shell_params, TRAVERSALS
 #include <cstring>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "arrays.h"
 #include "mesoshell/realize.h"
 #include "mesoshell/render.h"
 #include "mesoshell/traversal.h"
+#include "render_arguments.h"
 #include "run.h"
 
 namespace mesoshell::python {
-namespace {
 
-// The uniform block from any bytes-like object of its size; its defaults for None.
 ShellParams params_argument(PyObject* object)
 {
     ShellParams params;
@@ -32,6 +34,8 @@ ShellParams params_argument(PyObject* object)
     }
     return params;
 }
+
+namespace {
 
 View view_argument(ModuleState& state, PyObject* clip_from_object, PyObject* size)
 {
@@ -93,24 +97,42 @@ PyObject* py_realize(PyObject* module, PyObject* args, PyObject* kwargs)
 {
     ModuleState& state = state_of_module(module);
     return guarded(state, [&]() -> PyObject* {
-        static const char* names[] = {"shell", "sample", "threads", "progress", nullptr};
+        static const char* names[] = {"shell", "sample", "error", "caps", "normals", "threads", "progress", nullptr};
         PyObject* shell = nullptr;
         PyObject* sample = nullptr;
+        RealizeOptions options;
+        int caps = options.caps ? 1 : 0;
+        PyObject* normals = Py_None;
         int threads = 0;
         PyObject* progress = nullptr;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!O!|$iO:realize", const_cast<char**>(names), state.shell_type,
-                                         &shell, state.sample_type, &sample, &threads, &progress)) {
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!O!|$fpOiO:realize", const_cast<char**>(names), state.shell_type,
+                                         &shell, state.sample_type, &sample, &options.error, &caps, &normals, &threads,
+                                         &progress)) {
             return nullptr;
+        }
+        options.caps = caps != 0;
+        std::optional<ArrayArgument<float>> normal_array;
+        if (normals != Py_None) {
+            normal_array.emplace(state, normals, "normals", 3);
+            options.normals = normal_array->rows<glm::vec3>();
         }
         const auto held_shell = unbox<Shell>(shell);
         const auto held_sample = unbox<Sample>(sample);
         Job job(threads);
-        RealizedMesh mesh = run(job, progress, [&] { return realize(*held_shell, *held_sample, job); });
+        RealizedMesh mesh = run(job, progress, [&] { return realize(*held_shell, *held_sample, options, job); });
         const auto vertices = static_cast<Py_ssize_t>(mesh.positions.size());
         const auto triangles = static_cast<Py_ssize_t>(mesh.triangles.size());
         Reference result = checked(PyDict_New());
         set_item(result.get(), "positions", array_from(state, std::move(mesh.positions), 'f', {vertices, 3}));
         set_item(result.get(), "triangles", array_from(state, std::move(mesh.triangles), 'I', {triangles, 3}));
+        set_item(result.get(), "texture", array_from(state, std::move(mesh.texture), 'f', {triangles, 3, 3}));
+        set_item(result.get(), "weights", array_from(state, std::move(mesh.weights), 'f', {triangles, 3, 2}));
+        if (normals != Py_None) {
+            set_item(result.get(), "normals", array_from(state, std::move(mesh.normals), 'f', {triangles, 3, 3}));
+        }
+        set_item(result.get(), "source", array_from(state, std::move(mesh.source), 'I', {triangles}));
+        set_item(result.get(), "prism", array_from(state, std::move(mesh.prism), 'I', {triangles}));
+        set_item(result.get(), "open_edges", PyLong_FromSize_t(mesh.open_edges));
         return result.release();
     });
 }
@@ -179,13 +201,25 @@ PyObject* py_shell_params(PyObject* module, PyObject* args, PyObject* kwargs)
     });
 }
 
+PyObject* traversal_tuple()
+{
+    const std::vector<std::string> names = traversal_names();
+    Reference tuple = checked(PyTuple_New(static_cast<Py_ssize_t>(names.size())));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        PyTuple_SetItem(tuple.get(), static_cast<Py_ssize_t>(i), checked(PyUnicode_FromString(names[i].c_str())).release());
+    }
+    return tuple.release();
+}
+
 PyMethodDef functions[] = {
     {"render", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_render)), METH_VARARGS | METH_KEYWORDS,
      "render(shell, map, *, clip_from_object, size, traversal='refined', settings=None, sample=None, threads=0, progress=None)\n--\n\n"
      "A picture by the shader text on the CPU, as a dict of arrays [h, w, ...]; row 0 is the bottom."},
     {"realize", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_realize)), METH_VARARGS | METH_KEYWORDS,
-     "realize(shell, sample, *, threads=0, progress=None)\n--\n\n"
-     "The sample's triangles warped into the shell: a dict of positions [n, 3] and triangles [m, 3]."},
+     "realize(shell, sample, *, error=0.001, caps=True, normals=None, threads=0, progress=None)\n--\n\n"
+     "The sample's triangles warped into the shell: a dict of positions [n, 3], triangles [m, 3], texture [m, 3, 3], "
+     "weights [m, 3, 2], source [m], prism [m], open_edges and, where the sample's corners are given some [3 * triangles, 3], "
+     "normals [m, 3, 3]."},
     {"trace", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_trace)), METH_VARARGS | METH_KEYWORDS,
      "trace(positions, triangles, *, clip_from_object, size, threads=0, progress=None)\n--\n\n"
      "A picture of any triangle mesh by Embree: a dict of hit, distance and normal [h, w, ...]."},
@@ -202,7 +236,9 @@ PyMethodDef functions[] = {
 
 int add_render(PyObject* module)
 {
-    return PyModule_AddFunctions(module, functions);
+    // Null with a Python error set, which AddObjectRef then leaves as it is, if there is no memory.
+    const Reference names(guarded(state_of_module(module), traversal_tuple));
+    return PyModule_AddObjectRef(module, "TRAVERSALS", names.get()) != 0 ? -1 : PyModule_AddFunctions(module, functions);
 }
 
 }  // namespace mesoshell::python

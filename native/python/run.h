@@ -35,9 +35,10 @@ inline bool report(PyObject* progress, float fraction, Job& job)
     return go_on >= 0;
 }
 
-// Returns work()'s result; throws what it throws, or PythonError.
-template <typename Work>
-auto run(Job& job, PyObject* progress, const Work& work)
+// Returns work()'s result; throws what it throws, or PythonError. `meanwhile` is called as often as progress, and once more when the
+// work is done, with the GIL; false with a Python error set ends the call.
+template <typename Work, typename Meanwhile>
+auto run(Job& job, PyObject* progress, const Work& work, const Meanwhile& meanwhile)
 {
     using Result = decltype(work());
     std::optional<Result> result;
@@ -66,7 +67,7 @@ auto run(Job& job, PyObject* progress, const Work& work)
             }
             guard.unlock();
             PyEval_RestoreThread(thread_state);
-            if (!report(progress, job.fraction(), job)) {
+            if (!meanwhile() || !report(progress, job.fraction(), job)) {
                 python_error = true;
                 job.cancel();
             }
@@ -82,11 +83,17 @@ auto run(Job& job, PyObject* progress, const Work& work)
     if (problem) {
         std::rethrow_exception(problem);
     }
-    if (!report(progress, 1.0f, job)) {
+    if (!meanwhile() || !report(progress, 1.0f, job)) {
         throw PythonError();
     }
     job.throw_if_cancelled();
     return std::move(*result);
+}
+
+template <typename Work>
+auto run(Job& job, PyObject* progress, const Work& work)
+{
+    return run(job, progress, work, [] { return true; });
 }
 
 }  // namespace mesoshell::python

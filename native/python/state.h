@@ -73,6 +73,7 @@ int add_map(PyObject* module);
 int add_map_functions(PyObject* module);
 int add_shell(PyObject* module);
 int add_render(PyObject* module);
+int add_scene(PyObject* module);
 int add_volume(PyObject* module);
 int add_attributes(PyObject* module);
 int add_folds(PyObject* module);

@@ -156,6 +156,9 @@ void TriangleScene::intersect16(const std::int32_t* valid, RayPacket16& rays) co
 
 TriangleHit TriangleScene::intersect1(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar) const
 {
+    if (!is_ray(origin, dir, tnear, tfar)) {
+        return {};
+    }
     Query query(false);
     RTCRayHit ray = make_ray(origin, dir, tnear, tfar);
     trace1(handles_->scene, query, ray);
@@ -163,7 +166,19 @@ TriangleHit TriangleScene::intersect1(const glm::vec3& origin, const glm::vec3& 
     hit.hit = ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     hit.t = ray.ray.tfar;
     hit.normal = glm::vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
+    hit.triangle = ray.hit.primID;
+    hit.weights = glm::vec2(ray.hit.u, ray.hit.v);
     return hit;
+}
+
+bool TriangleScene::occluded1(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar) const
+{
+    if (!is_ray(origin, dir, tnear, tfar)) {
+        return false;
+    }
+    Query query(false);
+    RTCRayHit ray = make_ray(origin, dir, tnear, tfar);
+    return any1(handles_->scene, query, ray.ray);
 }
 
 TriangleScene::Crossings TriangleScene::count_crossings(const glm::vec3& origin, const glm::vec3& dir) const

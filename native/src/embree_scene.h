@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,6 +29,8 @@ struct TriangleHit {
     bool hit = false;
     float t = 0.0f;
     glm::vec3 normal{0.0f};  // not normalized, by the triangle's winding
+    std::uint32_t triangle = ~0u;
+    glm::vec2 weights{0.0f};  // of its second and third corner
 };
 
 struct NearestPoint {
@@ -60,6 +63,8 @@ public:
     // Nearest hits of sixteen coherent rays; tfar and geometry (all ones: none) are updated where valid[i] is -1, others stay.
     void intersect16(const std::int32_t* valid, RayPacket16& rays) const;
     TriangleHit intersect1(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar) const;
+    // Whether the ray meets any triangle.
+    bool occluded1(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar) const;
 
     struct Crossings {
         int count = 0;    // surfaces crossed
@@ -96,8 +101,10 @@ public:
     BoxScene(const BoxScene&) = delete;
     BoxScene& operator=(const BoxScene&) = delete;
 
-    // Calls `visit` for every box the ray meets before its nearest hit so far, in no fixed order.
-    void visit_along(const glm::vec3& origin, const glm::vec3& dir, float tnear, const Visit& visit) const;
+    // Calls `visit` for every box the ray meets before tfar and its nearest hit so far, in no fixed order; an infinitely negative
+    // answer ends it.
+    void visit_along(const glm::vec3& origin, const glm::vec3& dir, float tnear, const Visit& visit,
+                     float tfar = std::numeric_limits<float>::infinity()) const;
 
 private:
     std::unique_ptr<EmbreeHandles> handles_;

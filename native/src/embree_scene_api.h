@@ -56,6 +56,15 @@ inline void trace1(RTCScene scene, Query& query, RTCRayHit& ray)
     rtcIntersect1(scene, &ray, &query.arguments);
 }
 
+inline bool any1(RTCScene scene, const Query& query, RTCRay& ray)
+{
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.flags = query.arguments.flags;
+    rtcOccluded1(scene, &ray, &arguments);
+    return ray.tfar < 0.0f;
+}
+
 inline void trace16(const std::int32_t* valid, RTCScene scene, Query& query, RTCRayHit16& rays)
 {
     rtcIntersect16(valid, scene, &rays, &query.arguments);
@@ -79,6 +88,12 @@ struct Query {
 inline void trace1(RTCScene scene, Query& query, RTCRayHit& ray)
 {
     rtcIntersect1(scene, &query.context, &ray);
+}
+
+inline bool any1(RTCScene scene, Query& query, RTCRay& ray)
+{
+    rtcOccluded1(scene, &query.context, &ray);
+    return ray.tfar < 0.0f;
 }
 
 inline void trace16(const std::int32_t* valid, RTCScene scene, Query& query, RTCRayHit16& rays)
@@ -111,6 +126,15 @@ inline void throw_on_error()
     default:
         throw Error("Embree refused a mesh; check it for degenerate or huge coordinates");
     }
+}
+
+// Whether Embree takes a ray: its debug builds, which distributions have, abort at others. What is not finite or begins this far
+// away meets nothing.
+inline bool is_ray(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar)
+{
+    constexpr float farthest = 1.8e18f;
+    return glm::all(glm::lessThanEqual(glm::abs(origin), glm::vec3(farthest))) &&
+           glm::all(glm::lessThanEqual(glm::abs(dir), glm::vec3(farthest))) && tnear <= tfar;
 }
 
 inline RTCRayHit make_ray(const glm::vec3& origin, const glm::vec3& dir, float tnear, float tfar)

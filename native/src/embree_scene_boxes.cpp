@@ -1,5 +1,3 @@
-#include <limits>
-
 #include "embree_scene.h"
 #include "embree_scene_api.h"
 
@@ -48,11 +46,14 @@ BoxScene::BoxScene(std::span<const Box> boxes)
 
 BoxScene::~BoxScene() = default;
 
-void BoxScene::visit_along(const glm::vec3& origin, const glm::vec3& dir, float tnear, const Visit& visit) const
+void BoxScene::visit_along(const glm::vec3& origin, const glm::vec3& dir, float tnear, const Visit& visit, float tfar) const
 {
+    if (!is_ray(origin, dir, tnear, tfar)) {
+        return;
+    }
     Query query(false);
     query.payload = const_cast<Visit*>(&visit);
-    RTCRayHit ray = make_ray(origin, dir, tnear, std::numeric_limits<float>::infinity());
+    RTCRayHit ray = make_ray(origin, dir, tnear, tfar);
     trace1(handles_->scene, query, ray);
 }
 

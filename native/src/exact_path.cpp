@@ -46,30 +46,37 @@ double largest(const glm::dvec3& v)
 
 }  // namespace
 
-ExactPath::ExactPath(const PrismTexels& prism, const glm::dvec3& origin, const glm::dvec3& dir)
+ExactRay::ExactRay(const glm::dvec3& ray_origin, const glm::dvec3& ray_dir)
+    : origin(ray_origin), dir(ray_dir), along(ray_dir / glm::dot(ray_dir, ray_dir))
 {
+    const bool lies = std::abs(dir.z) < 0.7 * glm::length(dir);
+    const glm::dvec3 helper = lies ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(1.0, 0.0, 0.0);
+    side = glm::normalize(glm::cross(helper, dir));
+    up = glm::normalize(glm::cross(dir, side));
+}
+
+struct ExactPath::Corners {
     std::array<glm::dvec3, 3> base;
     std::array<glm::dvec3, 3> director;
     std::array<glm::dvec2, 3> uv;
-    std::array<glm::dvec2, 3> rise;
-    const double squared = glm::dot(dir, dir);
-    // The frame depends on the ray alone, so that neighbors project a shared corner to the same bits.
-    const bool lies = std::abs(dir.z) < 0.7 * std::sqrt(squared);
-    const glm::dvec3 helper = lies ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(1.0, 0.0, 0.0);
-    const glm::dvec3 side = glm::normalize(glm::cross(helper, dir));
-    const glm::dvec3 up = glm::normalize(glm::cross(dir, side));
+    std::array<glm::dvec2, 3> rise;  // of (u, v) from base to top
+};
+
+ExactPath::ExactPath(const PrismTexels& prism, const ExactRay& ray)
+{
+    Corners corners;
     std::array<glm::dvec2, 3> b;
     std::array<glm::dvec2, 3> d;
     for (int i = 0; i < 3; ++i) {
-        base[i] = glm::dvec3(prism[i]);
-        director[i] = glm::dvec3(prism[i + 3]) - base[i];
-        uv[i] = glm::dvec2(prism[i].w, prism[6][i]);
-        rise[i] = glm::dvec2(prism[i + 3].w, prism[6 + (i + 3) / 4][(i + 3) % 4]) - uv[i];
-        const glm::dvec3 offset = base[i] - origin;
-        b[i] = glm::dvec2(glm::dot(offset, side), glm::dot(offset, up));
-        d[i] = glm::dvec2(glm::dot(director[i], side), glm::dot(director[i], up));
-        depth_base_[i] = glm::dot(offset, dir) / squared;
-        depth_director_[i] = glm::dot(director[i], dir) / squared;
+        corners.base[i] = glm::dvec3(prism[i]);
+        corners.director[i] = glm::dvec3(prism[i + 3]) - corners.base[i];
+        corners.uv[i] = glm::dvec2(prism[i].w, prism[6][i]);
+        corners.rise[i] = glm::dvec2(prism[i + 3].w, prism[6 + (i + 3) / 4][(i + 3) % 4]) - corners.uv[i];
+        const glm::dvec3 offset = corners.base[i] - ray.origin;
+        b[i] = glm::dvec2(glm::dot(offset, ray.side), glm::dot(offset, ray.up));
+        d[i] = glm::dvec2(glm::dot(corners.director[i], ray.side), glm::dot(corners.director[i], ray.up));
+        depth_base_[i] = glm::dot(offset, ray.along);
+        depth_director_[i] = glm::dot(corners.director[i], ray.along);
     }
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
@@ -77,18 +84,25 @@ ExactPath::ExactPath(const PrismTexels& prism, const glm::dvec3& origin, const g
         numerator_[0][i] = cross_2d(b[j], b[k]);
         numerator_[1][i] = cross_2d(b[j], d[k]) + cross_2d(d[j], b[k]);
         numerator_[2][i] = cross_2d(d[j], d[k]);
+    }
+    if (misses()) {
+        return;
+    }
+    for (int i = 0; i < 3; ++i) {
         const std::array<double, 2> roots = quadratic_roots(numerator_[0][i], numerator_[1][i], numerator_[2][i]);
         roots_[2 * i] = roots[0];
         roots_[2 * i + 1] = roots[1];
     }
-    find_level(base, director);
+    if (may_be_level()) {
+        find_level(corners);
+    }
     if (level_) {
-        follow_level(base, director, uv, rise, origin, dir);
+        follow_level(corners, ray);
     } else {
-        follow_height(uv, rise);
+        follow_height(corners);
     }
     std::sort(spans_.begin(), spans_.begin() + span_count_,
-              [](const ExactSpan& a, const ExactSpan& b) { return a.t_out < b.t_out; });
+              [](const ExactSpan& x, const ExactSpan& y) { return x.t_out < y.t_out; });
 }
 
 glm::dvec3 ExactPath::numerators(double w) const
@@ -102,21 +116,47 @@ double ExactPath::area(double w) const
     return n.x + n.y + n.z;
 }
 
-void ExactPath::find_level(const std::array<glm::dvec3, 3>& base, const std::array<glm::dvec3, 3>& director)
+// Whether one numerator is positive and another negative at all heights, by their control points. Most prisms that are asked
+// are missed so.
+bool ExactPath::misses() const
+{
+    const glm::dvec3 middle = numerator_[0] + numerator_[1] * 0.5;
+    const glm::dvec3 top = numerators(1.0);
+    const glm::dvec3 least = glm::min(numerator_[0], glm::min(middle, top));
+    const glm::dvec3 most = glm::max(numerator_[0], glm::max(middle, top));
+    return largest(least) > 0.0 && largest(-most) > 0.0;
+}
+
+// Whether the seen area comes near zero at any height, as it does where all numerators do: not where all its control points
+// lie farther on one side.
+bool ExactPath::may_be_level() const
+{
+    const glm::dvec3 ones(1.0);
+    const double bottom = glm::dot(numerator_[0], ones);
+    const double middle = bottom + 0.5 * glm::dot(numerator_[1], ones);
+    const double top = area(1.0);
+    const double near = 4.0 * level * largest(glm::abs(numerator_[1]) + glm::abs(numerator_[2]) * 2.0);
+    return std::min(bottom, std::min(middle, top)) <= near && std::max(bottom, std::max(middle, top)) >= -near;
+}
+
+void ExactPath::find_level(const Corners& corners)
 {
     const auto area_squared = [&](double w) {
-        const glm::dvec3 p0 = base[0] + director[0] * w;
-        const glm::dvec3 normal = glm::cross(base[1] + director[1] * w - p0, base[2] + director[2] * w - p0);
+        const glm::dvec3 p0 = corners.base[0] + corners.director[0] * w;
+        const glm::dvec3 e1 = corners.base[1] + corners.director[1] * w - p0;
+        const glm::dvec3 normal = glm::cross(e1, corners.base[2] + corners.director[2] * w - p0);
         return glm::dot(normal, normal);
     };
+    // At the apex of a pyramid all numerators vanish for any ray.
+    const double least_area = 1e-9 * area_squared(0.5);
     const double steepness = largest(glm::abs(numerator_[1]) + glm::abs(numerator_[2]) * 2.0);
     double nearest = level;
     for (const double w : roots_) {
-        if (std::abs(w - 0.5) > 0.5 + level) {
+        if (std::abs(w - 0.5) > 0.5 + level || !(area_squared(w) > least_area)) {
             continue;
         }
         const double steep = largest(glm::abs(numerator_[1] + numerator_[2] * (2.0 * w)));
-        // Where a ray meets the apex of a pyramid all numerators vanish with their slopes.
+        // Where a ray meets that apex they vanish with their slopes.
         if (steep <= 1e-3 * steepness) {
             continue;
         }
@@ -127,31 +167,61 @@ void ExactPath::find_level(const std::array<glm::dvec3, 3>& base, const std::arr
             level_height_ = std::clamp(w, 0.0, 1.0);
         }
     }
-    // At the apex of a pyramid they vanish for any ray.
-    level_ = level_ && area_squared(level_height_) > 1e-9 * area_squared(0.5);
 }
 
-void ExactPath::follow_height(const std::array<glm::dvec2, 3>& uv, const std::array<glm::dvec2, 3>& rise)
+void ExactPath::follow_level(const Corners& corners, const ExactRay& ray)
 {
-    for (int k = 0; k < 3; ++k) {
-        const glm::dvec3& n = numerator_[k];
-        const double sum = n.x + n.y + n.z;
-        curve_[k].w += sum;
-        curve_[k + 1].z += sum;
-        place_[k].y += n.y;
-        place_[k].z += n.z;
-        for (int i = 0; i < 3; ++i) {
-            curve_[k] += glm::dvec4(uv[i] * n[i], 0.0, 0.0);
-            curve_[k + 1] += glm::dvec4(rise[i] * n[i], 0.0, 0.0);
-            place_[k].x += depth_base_[i] * n[i];
-            place_[k + 1].x += depth_director_[i] * n[i];
+    // At one height everything is linear: the ray's foot in the triangle's plane, its weights, and the UVs.
+    const double w = level_height_;
+    const glm::dvec3 p0 = corners.base[0] + corners.director[0] * w;
+    const glm::dvec3 e1 = corners.base[1] + corners.director[1] * w - p0;
+    const glm::dvec3 e2 = corners.base[2] + corners.director[2] * w - p0;
+    const glm::dvec3 normal = glm::cross(e1, e2);
+    const double squared = glm::dot(normal, normal);
+    const auto weights = [&](const glm::dvec3& offset) {
+        const double q1 = glm::dot(glm::cross(offset, e2), normal) / squared;
+        const double q2 = glm::dot(glm::cross(e1, offset), normal) / squared;
+        return glm::dvec3(-q1 - q2, q1, q2);
+    };
+    const glm::dvec3 start = weights(ray.origin - p0) + glm::dvec3(1.0, 0.0, 0.0);
+    const glm::dvec3 slope = weights(ray.dir);
+    curve_.fill(glm::dvec4(0.0));
+    place_.fill(glm::dvec3(0.0));
+    const double none = std::numeric_limits<double>::max();
+    double low = -none;
+    double high = none;
+    for (int i = 0; i < 3; ++i) {
+        const double inside = start[i] + shared_rim;
+        if (slope[i] > 0.0) {
+            low = std::max(low, -inside / slope[i]);
+        } else if (slope[i] < 0.0) {
+            high = std::min(high, -inside / slope[i]);
+        } else if (inside < 0.0) {
+            return;
         }
+        const glm::dvec2 uv = corners.uv[i] + corners.rise[i] * w;
+        curve_[0] += glm::dvec4(uv * start[i], 0.0, 0.0);
+        curve_[1] += glm::dvec4(uv * slope[i], 0.0, 0.0);
     }
+    curve_[0].z = w;
+    curve_[0].w = 1.0;
+    place_[0] = glm::dvec3(0.0, start.y, start.z);
+    place_[1] = glm::dvec3(1.0, slope.y, slope.z);
+    // A prism without volume bounds nothing.
+    if (low < high && low > -none && high < none) {
+        spans_[0] = {low, high, low, high, false};
+        span_count_ = 1;
+    }
+}
+
+void ExactPath::follow_height(const Corners& corners)
+{
     // Six roots cut the heights into seven parts, some without extent; parts that touch are one stretch.
     std::array<double, 8> cuts{0.0};
     std::transform(roots_.begin(), roots_.end(), cuts.begin() + 1, [](double w) { return w > 0.0 && w < 1.0 ? w : 1.0; });
     cuts[7] = 1.0;
     std::sort(cuts.begin(), cuts.end());
+    bool has_curve = false;
     double opened = -1.0;
     for (std::size_t i = 0; i < cuts.size(); ++i) {
         const double w = cuts[i];
@@ -167,59 +237,40 @@ void ExactPath::follow_height(const std::array<glm::dvec2, 3>& uv, const std::ar
         if (inside && opened < 0.0) {
             opened = w;
         } else if (!inside && opened >= 0.0) {
+            if (!has_curve) {
+                set_curve(corners);
+                has_curve = true;
+            }
             add_span(opened, w);
             opened = -1.0;
         }
     }
 }
 
-void ExactPath::follow_level(const std::array<glm::dvec3, 3>& base, const std::array<glm::dvec3, 3>& director,
-                             const std::array<glm::dvec2, 3>& uv, const std::array<glm::dvec2, 3>& rise,
-                             const glm::dvec3& origin, const glm::dvec3& dir)
+void ExactPath::set_curve(const Corners& corners)
 {
-    // At one height everything is linear: the ray's foot in the triangle's plane, its weights, and the UVs.
-    const double w = level_height_;
-    const glm::dvec3 p0 = base[0] + director[0] * w;
-    const glm::dvec3 e1 = base[1] + director[1] * w - p0;
-    const glm::dvec3 e2 = base[2] + director[2] * w - p0;
-    const glm::dvec3 normal = glm::cross(e1, e2);
-    const double squared = glm::dot(normal, normal);
-    const auto weights = [&](const glm::dvec3& offset) {
-        const double q1 = glm::dot(glm::cross(offset, e2), normal) / squared;
-        const double q2 = glm::dot(glm::cross(e1, offset), normal) / squared;
-        return glm::dvec3(-q1 - q2, q1, q2);
-    };
-    const glm::dvec3 start = weights(origin - p0) + glm::dvec3(1.0, 0.0, 0.0);
-    const glm::dvec3 slope = weights(dir);
-    const double none = std::numeric_limits<double>::max();
-    double low = -none;
-    double high = none;
-    for (int i = 0; i < 3; ++i) {
-        const double inside = start[i] + shared_rim;
-        if (slope[i] > 0.0) {
-            low = std::max(low, -inside / slope[i]);
-        } else if (slope[i] < 0.0) {
-            high = std::min(high, -inside / slope[i]);
-        } else if (inside < 0.0) {
-            return;
+    curve_.fill(glm::dvec4(0.0));
+    place_.fill(glm::dvec3(0.0));
+    for (int k = 0; k < 3; ++k) {
+        const glm::dvec3& n = numerator_[k];
+        const double sum = n.x + n.y + n.z;
+        curve_[k].w += sum;
+        curve_[k + 1].z += sum;
+        place_[k].y += n.y;
+        place_[k].z += n.z;
+        for (int i = 0; i < 3; ++i) {
+            curve_[k] += glm::dvec4(corners.uv[i] * n[i], 0.0, 0.0);
+            curve_[k + 1] += glm::dvec4(corners.rise[i] * n[i], 0.0, 0.0);
+            place_[k].x += depth_base_[i] * n[i];
+            place_[k + 1].x += depth_director_[i] * n[i];
         }
-        curve_[0] += glm::dvec4((uv[i] + rise[i] * w) * start[i], 0.0, 0.0);
-        curve_[1] += glm::dvec4((uv[i] + rise[i] * w) * slope[i], 0.0, 0.0);
-    }
-    curve_[0].z = w;
-    curve_[0].w = 1.0;
-    place_[0] = glm::dvec3(0.0, start.y, start.z);
-    place_[1] = glm::dvec3(1.0, slope.y, slope.z);
-    // A prism without volume bounds nothing.
-    if (low < high && low > -none && high < none) {
-        spans_[0] = {low, high, low, high, false};
-        span_count_ = 1;
     }
 }
 
 void ExactPath::add_span(double w_low, double w_high)
 {
-    if (span_count_ == most_spans) {
+    // Not what roundings leave between roots that are one, as at an apex.
+    if (span_count_ == most_spans || w_high - w_low < 1e-13) {
         return;
     }
     // Where the offset triangle has shrunk to a point, as at the apex of a pyramid, it has no weights: begin beside it.

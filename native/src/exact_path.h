@@ -14,13 +14,26 @@
 
 namespace mesoshell {
 
+// A ray, and the frame in which prisms are seen along it: it depends on the ray alone, so that neighbors project a shared
+// corner to the same bits.
+struct ExactRay {
+    // dir has any length but zero; ray parameters are in units of it.
+    ExactRay(const glm::dvec3& ray_origin, const glm::dvec3& ray_dir);
+
+    glm::dvec3 origin;
+    glm::dvec3 dir;
+    glm::dvec3 side;   // unit length, at right angles to dir and to one another
+    glm::dvec3 up;
+    glm::dvec3 along;  // dir over its squared length
+};
+
 // A stretch of the path inside the prism. Its ends are values of the path's own parameter.
 struct ExactSpan {
-    double s_in = 0.0;
-    double s_out = 0.0;
-    double t_in = 0.0;  // ray parameter
-    double t_out = 0.0;
-    bool cut = false;  // it begins within the prism, at the nearest t asked for
+    double s_in;
+    double s_out;
+    double t_in;  // ray parameter
+    double t_out;
+    bool cut;  // it begins within the prism, at the nearest t asked for
 };
 
 // Where the path is at a value of its parameter.
@@ -39,8 +52,7 @@ public:
     // A ray leaves a prism through a fin and comes back at most once for each fin.
     static constexpr int most_spans = 4;
 
-    // dir has any length but zero; t is in units of it.
-    ExactPath(const PrismTexels& prism, const glm::dvec3& origin, const glm::dvec3& dir);
+    ExactPath(const PrismTexels& prism, const ExactRay& ray);
 
     // Its stretches that end beyond t_near, nearest first.
     int span_count() const { return span_count_; }
@@ -55,25 +67,29 @@ public:
     double bulge(double a, double b, const glm::dvec3& scale) const;
 
 private:
-    void find_level(const std::array<glm::dvec3, 3>& base, const std::array<glm::dvec3, 3>& director);
-    void follow_height(const std::array<glm::dvec2, 3>& uv, const std::array<glm::dvec2, 3>& rise);
-    void follow_level(const std::array<glm::dvec3, 3>& base, const std::array<glm::dvec3, 3>& director,
-                      const std::array<glm::dvec2, 3>& uv, const std::array<glm::dvec2, 3>& rise, const glm::dvec3& origin,
-                      const glm::dvec3& dir);
-    void add_span(double s_low, double s_high);
+    struct Corners;
+
+    bool misses() const;
+    bool may_be_level() const;
+    void find_level(const Corners& corners);
+    void follow_level(const Corners& corners, const ExactRay& ray);
+    void follow_height(const Corners& corners);
+    void set_curve(const Corners& corners);
+    void add_span(double w_low, double w_high);
     glm::dvec3 numerators(double w) const;
     double area(double w) const;
 
-    std::array<glm::dvec3, 3> numerator_{};  // N(w) = [0] + [1] w + [2] w^2, component i for corner column i
-    glm::dvec3 depth_base_{0.0};             // ray parameter of the corners' projections onto the ray, at w = 0
-    glm::dvec3 depth_director_{0.0};         // its change from w = 0 to w = 1
-    std::array<double, 6> roots_{};          // where a numerator is zero; 2 for a root that there is not
+    std::array<glm::dvec3, 3> numerator_;    // N(w) = [0] + [1] w + [2] w^2, component i for corner column i
+    glm::dvec3 depth_base_;                  // ray parameter of the corners' projections onto the ray, at w = 0
+    glm::dvec3 depth_director_;              // its change from w = 0 to w = 1
+    std::array<double, 6> roots_;            // where one is zero; 2 for a root that there is not; unset for what is missed
     bool level_ = false;                     // along an offset triangle: the path's parameter is the ray's own, else w
     double level_height_ = 0.0;
 
-    Cubic<glm::dvec4> curve_{};  // (u, v, w, 1) times the weight
-    Cubic<glm::dvec3> place_{};  // (t, q1, q2) times the weight
-    std::array<ExactSpan, most_spans> spans_{};
+    // Set where there is a stretch.
+    Cubic<glm::dvec4> curve_;  // (u, v, w, 1) times the weight
+    Cubic<glm::dvec3> place_;  // (t, q1, q2) times the weight
+    std::array<ExactSpan, most_spans> spans_;
     int span_count_ = 0;
 };
 

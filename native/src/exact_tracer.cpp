@@ -13,8 +13,8 @@ namespace {
 // Chords and upward rays stay within this of where they begin, sideways, in tile widths, so that few copies of the tile do.
 constexpr double longest = 0.5;
 
-// A path that bends without end, as beside the apex of a pyramid, is cut into no more than so many halves of halves.
-constexpr int most_halvings = 24;
+// Of a stretch: shorter chords are not sought where a path bends without end, as beside the apex of a pyramid.
+constexpr double least_step = 1e-6;
 
 // Chords reach so far beyond their ends, in tile widths, that no surface slips between two of them by rounding.
 constexpr double rim = 1e-5;
@@ -162,67 +162,65 @@ double ExactTracer::on_curve(const ExactPath& path, double a, double b, const gl
     return a + (b - a) * along;
 }
 
-ExactHit ExactTracer::nearest(const PrismTexels& prism, const glm::dvec3& origin, const glm::dvec3& dir, double t_near,
-                              double t_far) const
+ExactHit ExactTracer::nearest(const PrismTexels& prism, const ExactRay& ray, double t_near, double t_far) const
 {
-    ExactPath path(prism, origin, dir);
+    ExactPath path(prism, ray);
     path.begin_at(t_near);
     ExactHit result;
-    const auto hit_at = [&](double s) {
-        const ExactPlace place = path.at(s);
-        result.hit = true;
-        result.t = place.t;
-        result.q = place.q;
-        result.pos_texture = place.texture;
-    };
-    for (int i = 0; i < path.span_count() && path.span(i).t_in < t_far; ++i) {
-        const ExactSpan& span = path.span(i);
-        const glm::dvec3 entry = path.texture_at(span.s_in) * scale_;
-        const auto begin_inside = [&] {
-            hit_at(span.s_in);
-            result.t = span.t_in;
-            result.normal = span.cut ? -dir : border_normal(prism, result.q);
-        };
-        if (!plain_ && is_inside(entry)) {
-            begin_inside();
-            return result;
-        }
-        // Halves of halves: the ends of those that are still to come, nearest last.
-        std::array<double, most_halvings + 1> ends;
-        int waiting = 1;
-        ends[0] = span.s_out;
-        double a = span.s_in;
-        glm::dvec3 start = entry;
-        while (waiting > 0) {
-            const double b = ends[static_cast<std::size_t>(waiting) - 1];
-            const glm::dvec3 end = path.texture_at(b) * scale_;
-            const glm::dvec2 sideways = glm::abs(glm::dvec2(end - start));
-            if (waiting <= most_halvings &&
-                (std::max(sideways.x, sideways.y) > longest || path.bulge(a, b, scale_) > most_bulge)) {
-                ends[static_cast<std::size_t>(waiting++)] = 0.5 * (a + b);
-                continue;
-            }
-            --waiting;
-            const Meeting meeting = meet(start, end);
-            if (meeting.kind == Meeting::Kind::inside) {
-                begin_inside();
-                return result;
-            }
-            if (meeting.kind == Meeting::Kind::surface) {
-                hit_at(on_curve(path, a, b, start, end, meeting));
-                result.t = std::clamp(result.t, span.t_in, span.t_out);
-                result.normal = carried(prism, result.q, meeting.normal * scale_);
-                return result;
-            }
-            a = b;
-            start = end;
-        }
-        if (plain_ && is_inside(entry)) {
-            begin_inside();
-            return result;
-        }
+    for (int i = 0; i < path.span_count() && path.span(i).t_in < t_far && !result.hit; ++i) {
+        result = nearest_in_span(prism, ray, path, path.span(i));
     }
     return result;
+}
+
+ExactHit ExactTracer::nearest_in_span(const PrismTexels& prism, const ExactRay& ray, const ExactPath& path,
+                                      const ExactSpan& span) const
+{
+    const auto hit_at = [&](double s) {
+        const ExactPlace place = path.at(s);
+        return ExactHit{true, std::clamp(place.t, span.t_in, span.t_out), place.q, place.texture, glm::dvec3(0.0)};
+    };
+    const auto begins_inside = [&] {
+        ExactHit hit = hit_at(span.s_in);
+        hit.normal = span.cut ? -glm::normalize(ray.dir) : border_normal(prism, hit.q);
+        return hit;
+    };
+    const glm::dvec3 entry = path.texture_at(span.s_in) * scale_;
+    if (!plain_ && is_inside(entry)) {
+        return begins_inside();
+    }
+    double a = span.s_in;
+    glm::dvec3 start = entry;
+    double step = span.s_out - span.s_in;
+    const double least = std::abs(step) * least_step;
+    while (a != span.s_out) {
+        // As far as a chord may go. How far it bulges grows by the square of its length.
+        double b = 0.0;
+        glm::dvec3 end;
+        for (;;) {
+            b = std::abs(step) < 0.999 * std::abs(span.s_out - a) ? a + step : span.s_out;
+            end = path.texture_at(b) * scale_;
+            const glm::dvec2 sideways = glm::abs(glm::dvec2(end - start));
+            const double room = std::min(longest / std::max(sideways.x, sideways.y),
+                                         std::sqrt(most_bulge / path.bulge(a, b, scale_)));
+            step = (b - a) * std::clamp(0.95 * room, 0.25, 2.0);
+            if (room >= 1.0 || std::abs(b - a) <= least) {
+                break;
+            }
+        }
+        const Meeting meeting = meet(start, end);
+        if (meeting.kind == Meeting::Kind::inside) {
+            return begins_inside();
+        }
+        if (meeting.kind == Meeting::Kind::surface) {
+            ExactHit hit = hit_at(on_curve(path, a, b, start, end, meeting));
+            hit.normal = carried(prism, hit.q, meeting.normal * scale_);
+            return hit;
+        }
+        a = b;
+        start = end;
+    }
+    return plain_ && is_inside(entry) ? begins_inside() : ExactHit{};
 }
 
 }  // namespace mesoshell

@@ -24,11 +24,9 @@ public:
 
     explicit ExactTracer(const Sample& sample);
 
-    // The nearest hit in one prism with t >= t_near, of stretches that begin before t_far. Origin and dir, of unit length,
-    // are in object space. What begins in the solid hits where it begins: at the slab's ends, at the shell's border, at a
-    // seam of its UVs. Any thread.
-    ExactHit nearest(const PrismTexels& prism, const glm::dvec3& origin, const glm::dvec3& dir, double t_near,
-                     double t_far) const;
+    // The nearest hit in one prism with t >= t_near, of stretches that begin before t_far; the ray is in object space. What
+    // begins in the solid hits where it begins: at the slab's ends, at the shell's border, at a seam of its UVs. Any thread.
+    ExactHit nearest(const PrismTexels& prism, const ExactRay& ray, double t_near, double t_far) const;
 
 private:
     struct Meeting {
@@ -37,6 +35,8 @@ private:
         glm::dvec3 normal{0.0};  // of the surface, metric texture space, out of the solid
     };
 
+    ExactHit nearest_in_span(const PrismTexels& prism, const ExactRay& ray, const ExactPath& path,
+                             const ExactSpan& span) const;
     Meeting meet(const glm::dvec3& start, const glm::dvec3& end) const;
     double on_curve(const ExactPath& path, double a, double b, const glm::dvec3& start, const glm::dvec3& end,
                     const Meeting& meeting) const;

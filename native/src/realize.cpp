@@ -2,397 +2,438 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <span>
 #include <string>
+#include <utility>
 
-#include <glm/gtc/matrix_access.hpp>
-
-#include "embree_scene.h"
+#include "closest_point.h"
+#include "mesoshell/error.h"
 #include "parallel.h"
-#include "view_rays.h"
+#include "plane_side.h"
+#include "realize_charts.h"
+#include "realize_prism.h"
+#include "realize_tile.h"
+#include "tile_grid.h"
+#include "vertex_weld.h"
 
 namespace mesoshell {
 namespace {
 
-// A triangle is split while an edge spans more than this share of the prism sideways times the share in height: the bilinear
-// map bends it by a quarter of that share of the prism's change of width.
-constexpr double most_bend = 0.01;
+// An edge is halved no more often than this, whatever the error asked.
+constexpr int most_halvings = 10;
+constexpr std::size_t most_triangles = std::size_t(1) << 30;
 
-// Where the top has other UVs than the base, a straight edge in texture space is bent in the prism's weights: it is split
-// until its middle is off by no more than this.
-constexpr double most_off = 1e-3;
-
-// Copies of the tile in one prism; more would take memory without end.
-constexpr double most_copies = 4096.0;
-
-// Barycentric weights in the prism's triangle, and height.
-struct Point {
-    std::array<double, 3> weight;
-    double w;
+// Triangles of one task, welded among themselves.
+struct Part {
+    VertexWeld vertices{1024};
+    RealizedMesh mesh;                    // without positions
+    std::vector<glm::vec3> tile_normals;  // of every corner, before they are mapped; zero where it is none of the input's
 };
 
-Point between(const Point& a, const Point& b, double share)
+PrismPoint middle_of(const PrismPoint& a, const PrismPoint& b)
 {
-    Point p;
+    PrismPoint p;
     for (int i = 0; i < 3; ++i) {
-        p.weight[i] = a.weight[i] + (b.weight[i] - a.weight[i]) * share;
+        p.weight[i] = (a.weight[i] + b.weight[i]) * 0.5;
     }
-    p.w = a.w + (b.w - a.w) * share;
+    p.w = (a.w + b.w) * 0.5;
     return p;
 }
 
-using Polygon = std::vector<Point>;
-
-// The part where weight `i` is not negative.
-Polygon clip(const Polygon& polygon, int i)
-{
-    Polygon kept;
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-        const Point& a = polygon[k];
-        const Point& b = polygon[(k + 1) % polygon.size()];
-        if (a.weight[i] >= 0.0) {
-            kept.push_back(a);
-        }
-        if ((a.weight[i] >= 0.0) != (b.weight[i] >= 0.0)) {
-            kept.push_back(between(a, b, a.weight[i] / (a.weight[i] - b.weight[i])));
-        }
-    }
-    return kept;
-}
-
-double cross(const glm::dvec2& a, const glm::dvec2& b)
-{
-    return a.x * b.y - a.y * b.x;
-}
-
-class PrismWarp {
+// Splits a prism's triangles until their edges follow the map, and maps them.
+class PrismMap {
 public:
-    PrismWarp(const PrismTexels& texels, std::vector<glm::vec3>& out) : out_(out)
+    PrismMap(const ChartPrism& prism, const Sample& sample, const Tile& tile, const RealizeOptions& options,
+             double tile_width, Part& part)
+        : prism_(prism), sample_(sample), tile_(tile), most_off_(options.error * tile_width), normals_(options.normals),
+          part_(part)
     {
-        for (int i = 0; i < 3; ++i) {
-            base_[i] = glm::dvec3(texels[i]);
-            top_[i] = glm::dvec3(texels[i + 3]);
-            uv_[i] = glm::dvec2(texels[i].w, texels[6][i]);
-            uv_top_[i] = glm::dvec2(texels[i + 3].w, texels[6 + (i + 3) / 4][(i + 3) % 4]);
-        }
-        const glm::dvec2 e1 = uv_[1] - uv_[0];
-        const glm::dvec2 e2 = uv_[2] - uv_[0];
-        area_ = e1.x * e2.y - e1.y * e2.x;
-        upright_ = uv_ == uv_top_;
+        // Sums run in the order of the shell's vertices, so that both prisms at a fin round alike; the third term is 0
+        // there.
+        std::sort(order_.begin(), order_.end(),
+                  [&](int a, int b) { return prism.corners[a].vertex < prism.corners[b].vertex; });
     }
 
-    bool covers_texture() const { return area_ != 0.0 || !upright_; }
-    glm::dvec2 lower() const
+    void add(const PrismTriangle& t)
     {
-        const glm::dvec2 base = glm::min(uv_[0], glm::min(uv_[1], uv_[2]));
-        return upright_ ? base : glm::min(base, glm::min(uv_top_[0], glm::min(uv_top_[1], uv_top_[2])));
-    }
-    glm::dvec2 upper() const
-    {
-        const glm::dvec2 base = glm::max(uv_[0], glm::max(uv_[1], uv_[2]));
-        return upright_ ? base : glm::max(base, glm::max(uv_top_[0], glm::max(uv_top_[1], uv_top_[2])));
-    }
-
-    // Whether the UVs turn over or lose their area between base and top: twice their signed area is quadratic in the height.
-    bool turns_over() const
-    {
-        if (upright_) {
-            return false;
-        }
-        const double top = cross(uv_top_[1] - uv_top_[0], uv_top_[2] - uv_top_[0]);
-        const double middle = cross(uv_at(1, 0.5) - uv_at(0, 0.5), uv_at(2, 0.5) - uv_at(0, 0.5));
-        const double square = 2.0 * (area_ + top) - 4.0 * middle;
-        const double linear = top - area_ - square;
-        const double extreme = -linear / (2.0 * square);
-        const bool inside = extreme > 0.0 && extreme < 1.0;
-        return !(area_ * top > 0.0) || (inside && !(area_ * (area_ + (linear + square * extreme) * extreme) > 0.0));
-    }
-
-    // A triangle of texture space.
-    void add(const std::array<glm::dvec3, 3>& corners)
-    {
-        if (!upright_) {
-            add_bent(corners);
-            return;
-        }
-        Polygon polygon;
-        for (const glm::dvec3& c : corners) {
-            const glm::dvec2 e1 = uv_[1] - uv_[0];
-            const glm::dvec2 e2 = uv_[2] - uv_[0];
-            const glm::dvec2 p = glm::dvec2(c) - uv_[0];
-            const double b1 = (p.x * e2.y - p.y * e2.x) / area_;
-            const double b2 = (e1.x * p.y - e1.y * p.x) / area_;
-            polygon.push_back({{1.0 - b1 - b2, b1, b2}, c.z});
-        }
-        clip_and_emit(polygon);
+        triangle_ = &t;
+        split(t.corners, 0);
     }
 
 private:
-    void clip_and_emit(Polygon polygon)
+    // How far the middle of an edge lies beside the curve: the map is quadratic along it. The same from both ends.
+    bool bends(const PrismPoint& a, const PrismPoint& b) const
     {
-        for (int i = 0; i < 3 && !polygon.empty(); ++i) {
-            polygon = clip(polygon, i);
+        glm::dvec3 change(0.0);
+        for (const int i : order_) {
+            change += prism_.corners[i].rise * (a.weight[i] - b.weight[i]);
         }
-        for (std::size_t k = 2; k < polygon.size(); ++k) {
-            emit(polygon[0], polygon[k - 1], polygon[k], 0);
-        }
+        return 0.25 * std::abs(a.w - b.w) * glm::length(change) > most_off_;
     }
 
-    // Clipped to the rectangle of the prism's UVs at all heights, outside of which weights may be without bounds.
-    void add_bent(const std::array<glm::dvec3, 3>& corners)
+    // Which edges are halved depends on their own ends alone, so that the triangles on both sides of one agree.
+    void split(const std::array<PrismPoint, 3>& t, int depth)
     {
-        std::vector<glm::dvec3> polygon(corners.begin(), corners.end());
-        for (int side = 0; side < 4; ++side) {
-            const int axis = side / 2;
-            const double sign = side % 2 == 0 ? 1.0 : -1.0;
-            const double bound = side % 2 == 0 ? lower()[axis] : upper()[axis];
-            std::vector<glm::dvec3> kept;
-            for (std::size_t k = 0; k < polygon.size(); ++k) {
-                const glm::dvec3& a = polygon[k];
-                const glm::dvec3& b = polygon[(k + 1) % polygon.size()];
-                const double inside_a = sign * (a[axis] - bound);
-                const double inside_b = sign * (b[axis] - bound);
-                if (inside_a >= 0.0) {
-                    kept.push_back(a);
-                }
-                if ((inside_a >= 0.0) != (inside_b >= 0.0)) {
-                    kept.push_back(glm::mix(a, b, inside_a / (inside_a - inside_b)));
-                }
-            }
-            polygon.swap(kept);
+        std::array<bool, 3> halved{};
+        int count = 0;
+        int last = 0;
+        for (int i = 0; i < 3 && depth < most_halvings; ++i) {
+            halved[i] = bends(t[i], t[(i + 1) % 3]);
+            count += halved[i] ? 1 : 0;
+            last = halved[i] ? i : last;
         }
-        for (std::size_t k = 2; k < polygon.size(); ++k) {
-            straighten({polygon[0], polygon[k - 1], polygon[k]}, 0);
-        }
-    }
-
-    glm::dvec2 uv_at(int corner, double w) const { return uv_[corner] * (1.0 - w) + uv_top_[corner] * w; }
-
-    // The prism coordinates of a texture position: at its height, UVs are linear in the weights.
-    Point point_of(const glm::dvec3& texture) const
-    {
-        const glm::dvec2 origin = uv_at(0, texture.z);
-        const glm::dvec2 e1 = uv_at(1, texture.z) - origin;
-        const glm::dvec2 e2 = uv_at(2, texture.z) - origin;
-        const glm::dvec2 p = glm::dvec2(texture) - origin;
-        const double area = cross(e1, e2);
-        const double b1 = cross(p, e2) / area;
-        const double b2 = cross(e1, p) / area;
-        return {{1.0 - b1 - b2, b1, b2}, texture.z};
-    }
-
-    void straighten(const std::array<glm::dvec3, 3>& corners, int depth)
-    {
-        const Polygon points{point_of(corners[0]), point_of(corners[1]), point_of(corners[2])};
-        double worst = 0.0;
-        int split = 0;
-        for (int i = 0; i < 3; ++i) {
-            const Point exact = point_of((corners[i] + corners[(i + 1) % 3]) * 0.5);
-            const Point straight = between(points[i], points[(i + 1) % 3], 0.5);
-            for (int k = 0; k < 3; ++k) {
-                const double off = std::abs(exact.weight[k] - straight.weight[k]);
-                if (off > worst) {
-                    worst = off;
-                    split = i;
-                }
-            }
-        }
-        for (int k = 0; k < 3; ++k) {
-            const double most = std::max(points[0].weight[k], std::max(points[1].weight[k], points[2].weight[k]));
-            if (most < -2.0 * worst) {  // bent as it is, it stays beyond this fin
-                return;
-            }
-        }
-        if (worst <= most_off || depth == 16) {
-            clip_and_emit(points);
+        if (count == 0) {
+            emit(t);
             return;
         }
-        const glm::dvec3& a = corners[split];
-        const glm::dvec3& b = corners[(split + 1) % 3];
-        const glm::dvec3& c = corners[(split + 2) % 3];
-        const glm::dvec3 middle = (a + b) * 0.5;
-        straighten({a, middle, c}, depth + 1);
-        straighten({middle, b, c}, depth + 1);
+        if (count == 1) {
+            const PrismPoint& a = t[last];
+            const PrismPoint& b = t[(last + 1) % 3];
+            const PrismPoint& c = t[(last + 2) % 3];
+            const PrismPoint ab = middle_of(a, b);
+            split({a, ab, c}, depth + 1);
+            split({ab, b, c}, depth + 1);
+            return;
+        }
+        if (count == 2) {
+            const int whole = !halved[0] ? 0 : (!halved[1] ? 1 : 2);
+            const PrismPoint& a = t[whole];
+            const PrismPoint& b = t[(whole + 1) % 3];
+            const PrismPoint& c = t[(whole + 2) % 3];
+            const PrismPoint bc = middle_of(b, c);
+            const PrismPoint ca = middle_of(c, a);
+            split({ca, bc, c}, depth + 1);
+            split({a, b, bc}, depth + 1);
+            split({a, bc, ca}, depth + 1);
+            return;
+        }
+        const PrismPoint ab = middle_of(t[0], t[1]);
+        const PrismPoint bc = middle_of(t[1], t[2]);
+        const PrismPoint ca = middle_of(t[2], t[0]);
+        split({t[0], ab, ca}, depth + 1);
+        split({ab, t[1], bc}, depth + 1);
+        split({ca, bc, t[2]}, depth + 1);
+        split({ab, bc, ca}, depth + 1);
     }
 
-    static double bend(const Point& a, const Point& b)
+    glm::vec3 position(const PrismPoint& p) const
     {
-        double sideways = 0.0;
+        glm::dvec3 sum(0.0);
+        for (const int i : order_) {
+            sum += (prism_.corners[i].base + prism_.corners[i].rise * p.w) * p.weight[i];
+        }
+        return glm::vec3(sum);
+    }
+
+    glm::dvec3 texture(const PrismPoint& p) const
+    {
+        glm::dvec2 uv(0.0);
         for (int i = 0; i < 3; ++i) {
-            sideways = std::max(sideways, std::abs(a.weight[i] - b.weight[i]));
+            const ChartCorner& c = prism_.corners[i];
+            uv += (glm::dvec2(c.uv) + glm::dvec2(c.uv_top - c.uv) * p.w) * p.weight[i];
         }
-        return sideways * std::abs(a.w - b.w);
+        return {uv / static_cast<double>(one_tile), p.w};
     }
 
-    glm::vec3 map(const Point& p) const
+    glm::vec2 source_weights(const glm::dvec3& texture) const
     {
-        glm::dvec3 position(0.0);
+        const TileSource& source = tile_.sources[triangle_->tile_triangle];
+        const glm::dvec3 metric((glm::dvec2(texture) - glm::dvec2(triangle_->copy)) * glm::dvec2(1.0, sample_.aspect()) -
+                                    glm::dvec2(source.offset),
+                                texture.z * sample_.height());
+        const glm::uvec3& t = sample_.input_triangles()[source.triangle];
+        const std::vector<glm::vec3>& p = sample_.input_positions();
+        return closest_point(glm::vec3(metric), p[t.x], p[t.y], p[t.z]).weights;
+    }
+
+    void emit(const std::array<PrismPoint, 3>& t)
+    {
+        // Mirrored UVs turn the triangles over.
+        const std::array<int, 3> turn{0, prism_.mirrored ? 2 : 1, prism_.mirrored ? 1 : 2};
+        glm::uvec3 corners;
         for (int i = 0; i < 3; ++i) {
-            position += (base_[i] * (1.0 - p.w) + top_[i] * p.w) * p.weight[i];
+            corners[i] = part_.vertices.find_or_add(position(t[turn[i]]));
         }
-        return glm::vec3(position);
+        if (corners.x == corners.y || corners.y == corners.z || corners.z == corners.x) {
+            return;  // its other two sides are one edge there and back
+        }
+        part_.mesh.triangles.push_back(corners);
+        part_.mesh.source.push_back(tile_.sources[triangle_->tile_triangle].triangle);
+        part_.mesh.prism.push_back(prism_.index);
+        for (int i = 0; i < 3; ++i) {
+            const glm::dvec3 place = texture(t[turn[i]]);
+            part_.mesh.texture.emplace_back(place);
+            part_.mesh.weights.push_back(source_weights(place));
+        }
+        if (!normals_.empty()) {
+            add_normals(t, turn, corners);
+        }
     }
 
-    void emit(const Point& a, const Point& b, const Point& c, int depth)
+    void add_normals(const std::array<PrismPoint, 3>& t, const std::array<int, 3>& turn, const glm::uvec3& corners)
     {
-        const double ab = bend(a, b);
-        const double bc = bend(b, c);
-        const double ca = bend(c, a);
-        const double most = std::max(ab, std::max(bc, ca));
-        if (most <= most_bend || depth == 16) {
-            // Mirrored UVs turn the triangles over.
-            out_.insert(out_.end(), {map(a), map(area_ > 0.0 ? b : c), map(area_ > 0.0 ? c : b)});
-        } else if (most == ab) {
-            const Point middle = between(a, b, 0.5);
-            emit(a, middle, c, depth + 1);
-            emit(middle, b, c, depth + 1);
-        } else if (most == bc) {
-            const Point middle = between(b, c, 0.5);
-            emit(a, b, middle, depth + 1);
-            emit(a, middle, c, depth + 1);
-        } else {
-            const Point middle = between(c, a, 0.5);
-            emit(a, b, middle, depth + 1);
-            emit(middle, b, c, depth + 1);
+        const std::vector<glm::vec3>& p = part_.vertices.positions;
+        const glm::dvec3 a(p[corners.x]);
+        const glm::dvec3 face = unit(glm::cross(glm::dvec3(p[corners.y]) - a, glm::dvec3(p[corners.z]) - a));
+        const TileSource& source = tile_.sources[triangle_->tile_triangle];
+        if (triangle_->cap || !source.parallel) {
+            part_.mesh.normals.insert(part_.mesh.normals.end(), 3, glm::vec3(face));
+            part_.tile_normals.insert(part_.tile_normals.end(), 3, glm::vec3(0.0f));
+            return;
+        }
+        std::array<glm::dvec3, 3> mapped;
+        std::array<glm::dvec3, 3> given;
+        double side = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            const glm::dvec2 weights(part_.mesh.weights[part_.mesh.weights.size() - 3 + static_cast<std::size_t>(i)]);
+            const glm::vec3* corner = &normals_[3 * static_cast<std::size_t>(source.triangle)];
+            given[i] = unit(glm::dvec3(corner[0]) * (1.0 - weights.x - weights.y) + glm::dvec3(corner[1]) * weights.x +
+                            glm::dvec3(corner[2]) * weights.y);
+            mapped[i] = unit(cofactors(t[turn[i]]) * given[i]);
+            side += glm::dot(mapped[i], face);
+        }
+        // Repair may have turned the tile's triangle over, and mirrored UVs turn the prism.
+        const double sign = side < 0.0 ? -1.0 : 1.0;
+        for (int i = 0; i < 3; ++i) {
+            part_.mesh.normals.emplace_back(mapped[i] * sign);
+            part_.tile_normals.emplace_back(given[i] * sign);
         }
     }
 
-    std::vector<glm::vec3>& out_;
-    std::array<glm::dvec3, 3> base_;
-    std::array<glm::dvec3, 3> top_;
-    std::array<glm::dvec2, 3> uv_;
-    std::array<glm::dvec2, 3> uv_top_;
-    double area_;   // twice that of the base's UVs, signed
-    bool upright_;  // base and top have the same UVs
+    static glm::dvec3 unit(const glm::dvec3& v)
+    {
+        const double length = glm::length(v);
+        return length > 0.0 ? v / length : v;
+    }
+
+    // Of the map's derivative by metric texture coordinates: what normals are mapped by.
+    glm::dmat3 cofactors(const PrismPoint& p) const
+    {
+        std::array<glm::dvec3, 3> column;
+        std::array<glm::dvec2, 3> uv;
+        glm::dvec3 by_w(0.0);
+        glm::dvec2 slant(0.0);
+        for (int i = 0; i < 3; ++i) {
+            const ChartCorner& c = prism_.corners[i];
+            const glm::dvec2 change = glm::dvec2(c.uv_top - c.uv) / static_cast<double>(one_tile);
+            column[i] = c.base + c.rise * p.w;
+            uv[i] = glm::dvec2(c.uv - prism_.corners[0].uv) / static_cast<double>(one_tile) + change * p.w;
+            by_w += c.rise * p.weight[i];
+            slant += change * p.weight[i];
+        }
+        const glm::dvec2 e1 = uv[1] - uv[0];
+        const glm::dvec2 e2 = uv[2] - uv[0];
+        const double area = e1.x * e2.y - e1.y * e2.x;
+        const glm::dvec3 f1 = column[1] - column[0];
+        const glm::dvec3 f2 = column[2] - column[0];
+        const glm::dvec3 by_u = (f1 * e2.y - f2 * e1.y) / area;
+        const glm::dvec3 by_v = (f2 * e1.x - f1 * e2.x) / area;
+        by_w = (by_w - by_u * slant.x - by_v * slant.y) / static_cast<double>(sample_.height());
+        const glm::dvec3 by_y = by_v / static_cast<double>(sample_.aspect());
+        return glm::dmat3(glm::cross(by_y, by_w), glm::cross(by_w, by_u), glm::cross(by_u, by_y));
+    }
+
+    const ChartPrism& prism_;
+    const Sample& sample_;
+    const Tile& tile_;
+    double most_off_;
+    std::span<const glm::vec3> normals_;
+    Part& part_;
+    std::array<int, 3> order_{0, 1, 2};
+    const PrismTriangle* triangle_ = nullptr;
 };
 
-struct TextureTriangle {
-    std::array<glm::dvec3, 3> corners;
-    glm::dvec2 lower;
-    glm::dvec2 upper;
-};
-
-std::vector<TextureTriangle> texture_triangles(const Sample& sample)
+// By less than 1e-6 tiles: edges of the tile that lie in a fin or meet a column, as where both are made of the same
+// lattice, are no tie then, which rounding would break one way for one prism and the other way for the next.
+void move_aside(Tile& tile)
 {
-    std::vector<TextureTriangle> triangles;
-    const glm::dvec3 scale(1.0, 1.0 / sample.aspect(), 1.0 / sample.height());
-    for (const glm::uvec3& t : sample.slab_triangles()) {
-        TextureTriangle triangle;
-        for (int i = 0; i < 3; ++i) {
-            triangle.corners[i] = glm::dvec3(sample.slab_positions()[t[i]]) * scale;
+    for (auto& corners : tile.triangles) {
+        for (TileCorner& corner : corners) {
+            corner.uv += glm::i64vec2(7, 4);
         }
-        triangle.lower = glm::min(glm::dvec2(triangle.corners[0]),
-                                  glm::min(glm::dvec2(triangle.corners[1]), glm::dvec2(triangle.corners[2])));
-        triangle.upper = glm::max(glm::dvec2(triangle.corners[0]),
-                                  glm::max(glm::dvec2(triangle.corners[1]), glm::dvec2(triangle.corners[2])));
-        triangles.push_back(triangle);
     }
-    return triangles;
 }
 
-void warp_into_prism(const std::vector<TextureTriangle>& triangles, const glm::dvec2& lower, const glm::dvec2& upper,
-                     PrismWarp& warp, const Job& job)
+// Edges by their lesser vertex: sorted, so that memory is linear and no table is needed.
+std::size_t count_open(const RealizedMesh& mesh, Job& job)
 {
-    const glm::dvec2 first = glm::floor(warp.lower() - upper);
-    const glm::dvec2 last = glm::ceil(warp.upper() - lower);
-    const glm::dvec2 count = last - first + 1.0;
-    if (count.x * count.y > most_copies) {
-        throw InvalidArgument("the UVs of a prism span " + std::to_string(count.x) + " by " + std::to_string(count.y) +
-                              " tiles; use smaller UVs or more subdivision levels");
-    }
-    for (int row = 0; row < static_cast<int>(count.y); ++row) {
-        for (int column = 0; column < static_cast<int>(count.x) && !job.cancelled(); ++column) {
-            const glm::dvec2 copy = first + glm::dvec2(column, row);
-            const glm::dvec2 wanted_lower = warp.lower() - copy;
-            const glm::dvec2 wanted_upper = warp.upper() - copy;
-            for (const TextureTriangle& t : triangles) {
-                if (t.upper.x < wanted_lower.x || t.lower.x > wanted_upper.x || t.upper.y < wanted_lower.y ||
-                    t.lower.y > wanted_upper.y) {
-                    continue;
-                }
-                const glm::dvec3 offset(copy, 0.0);
-                warp.add({t.corners[0] + offset, t.corners[1] + offset, t.corners[2] + offset});
+    std::vector<std::uint32_t> first(mesh.positions.size() + 1, 0);
+    const auto each_side = [&](const auto& visit) {
+        for (const glm::uvec3& t : mesh.triangles) {
+            for (int i = 0; i < 3; ++i) {
+                visit(t[i], t[(i + 1) % 3]);
             }
         }
+    };
+    each_side([&](std::uint32_t a, std::uint32_t b) { first[std::min(a, b) + 1] += 1; });
+    for (std::size_t i = 1; i < first.size(); ++i) {
+        first[i] += first[i - 1];
     }
+    struct Side {
+        std::uint32_t other;
+        std::int32_t way;
+    };
+    std::vector<Side> sides(first.back());
+    std::vector<std::uint32_t> filled(first.begin(), first.end() - 1);
+    each_side([&](std::uint32_t a, std::uint32_t b) { sides[filled[std::min(a, b)]++] = {std::max(a, b), a < b ? 1 : -1}; });
+    job.throw_if_cancelled();
+    std::atomic<std::size_t> open{0};
+    constexpr int per_task = 4096;
+    const int count = static_cast<int>(mesh.positions.size());
+    parallel_for(job, (count + per_task - 1) / per_task, [&](int task) {
+        std::size_t found = 0;
+        for (int v = task * per_task; v < std::min(count, (task + 1) * per_task); ++v) {
+            const auto begin = sides.begin() + first[static_cast<std::size_t>(v)];
+            const auto end = sides.begin() + first[static_cast<std::size_t>(v) + 1];
+            std::sort(begin, end, [](const Side& a, const Side& b) { return a.other < b.other; });
+            for (auto side = begin; side != end;) {
+                const std::uint32_t other = side->other;
+                int balance = 0;
+                for (; side != end && side->other == other; ++side) {
+                    balance += side->way;
+                }
+                found += balance != 0 ? 1 : 0;
+            }
+        }
+        open += found;
+    });
+    return open;
+}
+
+template <typename T>
+void append(std::vector<T>& all, std::vector<T>& more)
+{
+    all.insert(all.end(), more.begin(), more.end());
+    more = {};
+}
+
+// Corners at one vertex whose normals are one in the tile get one normal.
+void smooth_normals(RealizedMesh& mesh, const std::vector<glm::vec3>& tile_normals)
+{
+    constexpr float least_share = 0.999f;  // of its length that the sum of unit vectors must have
+    struct Sum {
+        glm::vec3 tile{0.0f};
+        glm::vec3 mapped{0.0f};
+        float count = 0.0f;
+    };
+    std::vector<Sum> sums(mesh.positions.size());
+    const auto each_corner = [&](const auto& visit) {
+        for (std::size_t i = 0; i < tile_normals.size(); ++i) {
+            if (tile_normals[i] != glm::vec3(0.0f)) {
+                visit(sums[mesh.triangles[i / 3][static_cast<int>(i % 3)]], i);
+            }
+        }
+    };
+    each_corner([&](Sum& sum, std::size_t i) {
+        sum.tile += tile_normals[i];
+        sum.mapped += mesh.normals[i];
+        sum.count += 1.0f;
+    });
+    each_corner([&](const Sum& sum, std::size_t i) {
+        if (glm::length(sum.tile) > least_share * sum.count && glm::length(sum.mapped) > 0.5f * sum.count) {
+            mesh.normals[i] = glm::normalize(sum.mapped);
+        }
+    });
+}
+
+RealizedMesh join(std::vector<Part>& parts, Job& job)
+{
+    std::size_t triangles = 0;
+    std::size_t vertices = 0;
+    for (const Part& part : parts) {
+        triangles += part.mesh.triangles.size();
+        vertices += part.vertices.positions.size();
+    }
+    if (triangles > most_triangles) {
+        throw InvalidArgument("the realized mesh has " + std::to_string(triangles) +
+                              " triangles; use a simpler tile, larger tiles or a part of the surface");
+    }
+    RealizedMesh mesh;
+    mesh.triangles.reserve(triangles);
+    mesh.texture.reserve(3 * triangles);
+    mesh.weights.reserve(3 * triangles);
+    mesh.source.reserve(triangles);
+    mesh.prism.reserve(triangles);
+    VertexWeld weld(vertices);
+    std::vector<std::uint32_t> index;
+    std::vector<glm::vec3> tile_normals;
+    for (Part& part : parts) {
+        job.throw_if_cancelled();
+        index.clear();
+        for (const glm::vec3& p : part.vertices.positions) {
+            index.push_back(weld.find_or_add(p));
+        }
+        for (const glm::uvec3& t : part.mesh.triangles) {
+            mesh.triangles.emplace_back(index[t.x], index[t.y], index[t.z]);
+        }
+        part.vertices = VertexWeld(0);
+        append(mesh.texture, part.mesh.texture);
+        append(mesh.weights, part.mesh.weights);
+        append(mesh.normals, part.mesh.normals);
+        append(tile_normals, part.tile_normals);
+        append(mesh.source, part.mesh.source);
+        append(mesh.prism, part.mesh.prism);
+    }
+    mesh.positions = std::move(weld.positions);
+    smooth_normals(mesh, tile_normals);
+    return mesh;
 }
 
 }  // namespace
 
-RealizedMesh realize(const Shell& shell, const Sample& sample, Job& job)
+RealizedMesh realize(const Shell& shell, const Sample& sample, const RealizeOptions& options, Job& job)
 {
-    const std::vector<TextureTriangle> triangles = texture_triangles(sample);
-    glm::dvec2 lower(std::numeric_limits<double>::max());
-    glm::dvec2 upper(std::numeric_limits<double>::lowest());
-    for (const TextureTriangle& t : triangles) {
-        lower = glm::min(lower, t.lower);
-        upper = glm::max(upper, t.upper);
+    if (!(options.error > 0.0f) || !std::isfinite(options.error)) {
+        throw InvalidArgument("error is " + std::to_string(options.error) + "; give a positive number of tile widths");
     }
+    if (!options.normals.empty() && options.normals.size() != 3 * sample.input_triangles().size()) {
+        throw InvalidArgument("there are " + std::to_string(options.normals.size()) + " normals; give three a triangle, " +
+                              std::to_string(3 * sample.input_triangles().size()));
+    }
+    job.throw_if_cancelled();
+    const Charts charts = charts_of(shell, sample.aspect());
+    // An edge of the tile bends in a slanted prism by a quarter of its rise times the twist of its own length and of what
+    // the slant adds to that; so much of its length is the most.
+    const double twist = 0.25 * charts.most_twist * (1.0 + charts.most_slant);
+    const double most_bend = twist > 0.0 ? options.error / twist : std::numeric_limits<double>::infinity();
+    job.stage(0.0f, 0.05f);
+    Tile tile = tile_in_slab(sample, options.caps, most_bend, job);
+    if (!charts.upright) {
+        move_aside(tile);
+    }
+    const TileGrid grid(tile);
 
     constexpr int prisms_per_task = 64;
-    const int count = static_cast<int>(shell.prisms.size());
+    const int count = static_cast<int>(charts.prisms.size());
     const int tasks = (count + prisms_per_task - 1) / prisms_per_task;
-    std::vector<std::vector<glm::vec3>> parts(static_cast<std::size_t>(tasks));
+    std::vector<Part> parts(static_cast<std::size_t>(tasks));
+    job.stage(0.05f, 0.8f);
     parallel_for(job, tasks, [&](int task) {
-        for (int i = task * prisms_per_task; i < std::min(count, (task + 1) * prisms_per_task); ++i) {
-            PrismWarp warp(shell.prisms[static_cast<std::size_t>(i)], parts[static_cast<std::size_t>(task)]);
-            if (warp.turns_over()) {
-                throw InvalidArgument("the UVs of prism " + std::to_string(i) +
-                                      " turn over between its base and its top; move those of the top less");
+        for (int i = task * prisms_per_task; i < std::min(count, (task + 1) * prisms_per_task) && !job.cancelled(); ++i) {
+            const ChartPrism& prism = charts.prisms[static_cast<std::size_t>(i)];
+            PrismClip clip(prism, charts.upright);
+            grid.visit_within(clip.lower(), clip.upper(), [&](std::uint32_t triangle, const glm::ivec2& copy) {
+                if (!job.cancelled()) {
+                    clip.add(tile, triangle, copy);
+                }
+            });
+            if (options.caps) {
+                clip.cap_open_fins();
             }
-            if (warp.covers_texture()) {
-                warp_into_prism(triangles, lower, upper, warp, job);
+            PrismMap map(prism, sample, tile, options, charts.tile_width, parts[static_cast<std::size_t>(task)]);
+            for (const PrismTriangle& t : clip.triangles()) {
+                map.add(t);
             }
         }
     });
-    RealizedMesh mesh;
-    for (std::vector<glm::vec3>& part : parts) {
-        mesh.positions.insert(mesh.positions.end(), part.begin(), part.end());
-        part = {};
-    }
-    mesh.triangles.resize(mesh.positions.size() / 3);
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        mesh.triangles[i] = glm::uvec3(3 * i, 3 * i + 1, 3 * i + 2);
-    }
+    RealizedMesh mesh = join(parts, job);
+    job.stage(0.9f, 1.0f);
+    mesh.open_edges = count_open(mesh, job);
     return mesh;
-}
-
-Trace trace(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles, const View& view, Job& job)
-{
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        if (std::max(triangles[i].x, std::max(triangles[i].y, triangles[i].z)) >= positions.size()) {
-            throw InvalidArgument("triangle " + std::to_string(i) + " uses a vertex that does not exist; there are " +
-                                  std::to_string(positions.size()));
-        }
-    }
-    const ViewRays rays(view);
-    const TriangleScene scene(positions, triangles);
-    const std::size_t pixels = static_cast<std::size_t>(view.size.x) * view.size.y;
-    Trace picture;
-    picture.size = view.size;
-    picture.hit.assign(pixels, 0);
-    picture.distance.assign(pixels, std::numeric_limits<float>::infinity());
-    picture.normal.assign(pixels, glm::vec3(0.0f));
-    const glm::dvec4 near_row = glm::row(view.clip_from_object, 2) + glm::row(view.clip_from_object, 3);
-    parallel_for(job, view.size.y, [&](int y) {
-        for (int x = 0; x < view.size.x; ++x) {
-            const PixelRay ray = rays.at(x, y);
-            // The near plane is where clip z + w is 0.
-            const double at_origin = glm::dot(near_row, glm::dvec4(ray.origin, 1.0));
-            const double along = glm::dot(near_row, glm::dvec4(ray.dir, 0.0));
-            const float tnear = static_cast<float>(std::max(-at_origin / along, 0.0));
-            const TriangleHit hit =
-                scene.intersect1(ray.origin, ray.dir, tnear, std::numeric_limits<float>::infinity());
-            if (hit.hit) {
-                const std::size_t pixel = static_cast<std::size_t>(y) * view.size.x + x;
-                picture.hit[pixel] = 1;
-                picture.distance[pixel] = hit.t;
-                picture.normal[pixel] = glm::normalize(hit.normal);
-            }
-        }
-    });
-    return picture;
 }
 
 }  // namespace mesoshell

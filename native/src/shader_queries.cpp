@@ -35,7 +35,8 @@ std::vector<float> lookup_gdm(const Map& map, std::span<const glm::vec3> pos_tex
             throw InvalidArgument("direction " + std::to_string(i) + " has no length");
         }
     }
-    const shader::FetchScope scope(map);
+    const MapVolumes none;
+    const shader::FetchScope scope(map, none);
     shader::Tile tile;
     tile.scale = glm::vec3(1.0f, map.aspect, map.height);
     tile.gdm_nodes = glm::vec3(map.resolution.nodes);
@@ -55,7 +56,8 @@ std::vector<float> lookup_sdf(const Map& map, std::span<const glm::vec3> pos_tex
 {
     check_sdf(map);
     check_finite(pos_texture, "position");
-    const shader::FetchScope scope(map);
+    const MapVolumes volumes(map, MapVolumes::Parts::sdf);
+    const shader::FetchScope scope(map, volumes);
     shader::Tile tile{};
     tile.sdf_nodes = glm::vec3(map.sdf_nodes);
     std::vector<float> distances(pos_texture.size());

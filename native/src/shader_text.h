@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include "map_volumes.h"
 #include "mesoshell/compress.h"
 #include "mesoshell/interface.h"
 #include "mesoshell/shell.h"
@@ -17,17 +18,27 @@ namespace mesoshell::shader {
 namespace {
 
 thread_local const Map* fetched_map = nullptr;
+thread_local const MapVolumes* fetched_volumes = nullptr;
 
-// Sets the map that the calling thread fetches from, for its lifetime.
+// Sets what the calling thread fetches from, for its lifetime: a map, and of its volumes those that will be asked.
 class FetchScope {
 public:
-    explicit FetchScope(const Map& map) : before_(fetched_map) { fetched_map = &map; }
-    ~FetchScope() { fetched_map = before_; }
+    FetchScope(const Map& map, const MapVolumes& volumes) : map_before_(fetched_map), volumes_before_(fetched_volumes)
+    {
+        fetched_map = &map;
+        fetched_volumes = &volumes;
+    }
+    ~FetchScope()
+    {
+        fetched_map = map_before_;
+        fetched_volumes = volumes_before_;
+    }
     FetchScope(const FetchScope&) = delete;
     FetchScope& operator=(const FetchScope&) = delete;
 
 private:
-    const Map* before_;
+    const Map* map_before_;
+    const MapVolumes* volumes_before_;
 };
 
 // The two nodes around a coordinate and the share of the second, on a periodic axis or one that clamps.
@@ -52,22 +63,16 @@ inline Bracket clamped_bracket(float node, int count)
     return {low, std::min(low + 1, count - 1), inside - static_cast<float>(low)};
 }
 
-// value_at(index) of the array [nz, ny, nx].
-template <typename Values>
-float trilinear_of(const Values& value_at, int nx, int ny, const Bracket& x, const Bracket& y, const Bracket& z)
+// In an array [nz, ny, nx].
+inline float trilinear(const float* values, int nx, int ny, const Bracket& x, const Bracket& y, const Bracket& z)
 {
     const auto row = [&](int iz, int iy) {
-        const std::size_t line = (static_cast<std::size_t>(iz) * ny + iy) * nx;
-        return glm::mix(value_at(line + x.low), value_at(line + x.high), x.share);
+        const float* const line = values + (static_cast<std::size_t>(iz) * ny + iy) * nx;
+        return glm::mix(line[x.low], line[x.high], x.share);
     };
     const float low = glm::mix(row(z.low, y.low), row(z.low, y.high), y.share);
     const float high = glm::mix(row(z.high, y.low), row(z.high, y.high), y.share);
     return glm::mix(low, high, z.share);
-}
-
-inline float trilinear(const float* values, int nx, int ny, const Bracket& x, const Bracket& y, const Bracket& z)
-{
-    return trilinear_of([values](std::size_t i) { return values[i]; }, nx, ny, x, y, z);
 }
 
 using namespace glm;  // NOLINT: the shader text speaks GLSL
@@ -113,21 +118,12 @@ inline vec4 fetch_gdm_eigenmaps(vec3 node, int group)
 
 inline float fetch_sdf(vec3 node)
 {
-    const Map& map = *fetched_map;
-    const glm::ivec3& nodes = map.sdf_nodes;
-    return trilinear(map.sdf.data(), nodes.x, nodes.y, periodic_bracket(node.x, nodes.x), periodic_bracket(node.y, nodes.y),
-                     clamped_bracket(node.z, nodes.z));
+    return fetched_volumes->sdf.at(node);
 }
 
 inline float fetch_density(vec3 node)
 {
-    const Map& map = *fetched_map;
-    const glm::ivec3& nodes = map.sdf_nodes;
-    const auto density_at = [&map](std::size_t i) {
-        return std::nearbyint(256.0f * glm::clamp(0.5f - map.sdf[i] * static_cast<float>(map.sdf_nodes.x), 0.0f, 1.0f)) / 256.0f;
-    };
-    return trilinear_of(density_at, nodes.x, nodes.y, periodic_bracket(node.x, nodes.x), periodic_bracket(node.y, nodes.y),
-                        clamped_bracket(node.z, nodes.z));
+    return fetched_volumes->density.at(node);
 }
 
 inline vec4 fetch_facets(vec3 texel)

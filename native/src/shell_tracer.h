@@ -21,6 +21,12 @@ struct ShellTraceHit {
     glm::vec3 pos_texture{0.0f};   // texture space
     std::uint32_t prism = 0;
     int fetches = 0;               // texture instructions of the whole ray, whether it hits or not
+    float clearance = 0.0f;        // object units along the normal: a ray that starts there leaves the surface it was at
+};
+
+struct ShellOcclusion {
+    bool hit = false;
+    int fetches = 0;
 };
 
 class ShellTracer {
@@ -34,6 +40,8 @@ public:
 
     // The nearest hit with t in [t_near, t_far). origin and dir, which has unit length, are in object space. Any thread.
     ShellTraceHit nearest(const glm::vec3& origin, const glm::vec3& dir, float t_near, float t_far) const;
+    // Whether there is any hit at all there: for shadow rays.
+    ShellOcclusion any(const glm::vec3& origin, const glm::vec3& dir, float t_near, float t_far) const;
 
 private:
     struct State;

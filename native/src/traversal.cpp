@@ -52,4 +52,13 @@ void check_traversal(int traversal)
     throw InvalidArgument("traversal " + std::to_string(traversal) + " does not exist; choose " + choices());
 }
 
+std::vector<std::string> traversal_names()
+{
+    std::vector<std::string> names;
+    for (const Named& named : named_traversals) {
+        names.emplace_back(named.name);
+    }
+    return names;
+}
+
 }  // namespace mesoshell

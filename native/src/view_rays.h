@@ -15,6 +15,11 @@ struct PixelRay {
     glm::vec3 dir;     // unit length
 };
 
+struct ExactRay {
+    glm::dvec3 origin;
+    glm::dvec3 dir;
+};
+
 class ViewRays {
 public:
     // Throws InvalidArgument for a size out of range or a matrix that cannot be inverted.
@@ -29,11 +34,18 @@ public:
 
     PixelRay at(int x, int y) const
     {
-        const glm::dvec2 ndc(2.0 * (x + 0.5) / size_.x - 1.0, 2.0 * (y + 0.5) / size_.y - 1.0);
+        const ExactRay ray = through({x + 0.5, y + 0.5});
+        return {glm::vec3(ray.origin), glm::vec3(ray.dir)};
+    }
+
+    // The ray through any place of the picture, in pixels.
+    ExactRay through(const glm::dvec2& place) const
+    {
+        const glm::dvec2 ndc(2.0 * place.x / size_.x - 1.0, 2.0 * place.y / size_.y - 1.0);
         const glm::dvec4 homogeneous = object_from_clip_ * glm::dvec4(ndc, -1.0, 1.0);
         const glm::dvec3 near_point = glm::dvec3(homogeneous) / homogeneous.w;
         const glm::dvec3 dir = glm::normalize(near_point * eye_.w - glm::dvec3(eye_));
-        return {glm::vec3(eye_.w == 0.0 ? near_point : glm::dvec3(eye_)), glm::vec3(dir)};
+        return {eye_.w == 0.0 ? near_point : glm::dvec3(eye_), dir};
     }
 
 private:

@@ -23,6 +23,7 @@ struct ShellHit {
     float t;              // ray parameter
     vec3 q;               // prism coordinates
     vec3 pos_texture;
+    bool at_entry;        // where the ray enters the prism: in the solid
     vec3 normal;          // metric texture space, out of the solid; zero: ask the distance field
     int fetches;
 };
@@ -44,6 +45,7 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
     result.t = 0.0f;
     result.q = vec3(0.0f);
     result.pos_texture = vec3(0.0f);
+    result.at_entry = false;
     result.normal = vec3(0.0f);
     result.fetches = 0;
     bool planes = fins == FINS_PAPER;
@@ -89,6 +91,7 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
             result.fetches += segment.fetches;
             if (segment.hit) {
                 result.hit = true;
+                result.at_entry = piece == 1 && segment.along == 0.0f;
                 result.q = mix(q_in, q_out, segment.along);
                 result.pos_texture = mix(entry_texture, exit_texture, segment.along);
                 result.normal = segment.normal;
@@ -115,14 +118,36 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
     return result;
 }
 
-// Outward unit normal in object space at a hit.
-vec3 hit_normal(Prism prism, ShellHit hit, Tile tile)
+// A hit where a ray enters its prism, so near a side of it, in prism coordinates, and so deep in the solid, in voxels, is a
+// cut: there the shell's border, its bottom or top, or a seam of its UVs goes through the solid.
+const float CUT_RIM = 1.0e-4f;
+const float CUT_DEPTH = 0.25f;
+
+// A side of a prism that a place is near, as its normal outward, not normalized, and the place's distance from it in prism
+// coordinates.
+vec4 nearest_side(Prism prism, vec3 q)
+{
+    PlaceSlopes slopes = place_slopes(prism, q);
+    float q0 = 1.0f - q.x - q.y;
+    vec4 side = vec4(-slopes.q0, q0);
+    side = q.x < side.w ? vec4(-slopes.q1, q.x) : side;
+    side = q.y < side.w ? vec4(-slopes.q2, q.y) : side;
+    side = q.z < side.w ? vec4(-slopes.w, q.z) : side;
+    return 1.0f - q.z < side.w ? vec4(slopes.w, 1.0f - q.z) : side;
+}
+
+// Outward unit normal in object space at a hit. `gdm` misses surfaces and enters the next prism below them, which is no cut.
+vec3 hit_normal(Prism prism, ShellHit hit, int traversal, Tile tile)
 {
     vec3 gradient = hit.normal;
     if (gradient == vec3(0.0f)) {
         gradient = sdf_gradient(tile, hit.pos_texture);
     }
     vec3 normal = prism_normal(prism, hit.q, tile.scale, gradient);
+    if (hit.at_entry && traversal != TRAVERSAL_GDM && lookup_sdf(tile, hit.pos_texture) < -CUT_DEPTH / tile.sdf_nodes.x) {
+        vec4 side = nearest_side(prism, hit.q);
+        normal = side.w < CUT_RIM ? vec3(side.x, side.y, side.z) : normal;
+    }
     float size = length(normal);
     return size > 0.0f ? normal / size : vec3(0.0f, 0.0f, 1.0f);
 }

@@ -3,6 +3,14 @@
 #include "../lib/pixel.glsl"
 #include "../host/textures.glsl"
 
+// A host may name both ahead: a program of one traversal has none of the others' registers and branches.
+#ifndef SHELL_TRAVERSAL
+#define SHELL_TRAVERSAL params.mode.x
+#endif
+#ifndef SHELL_FINS
+#define SHELL_FINS params.mode.z
+#endif
+
 void main()
 {
     vec3 origin = ray_origin(params.eye_object, pos_object);
@@ -11,7 +19,7 @@ void main()
     Tile tile = tile_of(params);
     Prism prism = make_prism(prism_texel_0, prism_texel_1, prism_texel_2, prism_texel_3, prism_texel_4, prism_texel_5,
                              prism_texel_6, prism_texel_7);
-    ShellHit hit = trace_prism(prism, origin, dir, t_near, params.mode.z, params.mode.x, tile, tolerance_of(params));
+    ShellHit hit = trace_prism(prism, origin, dir, t_near, SHELL_FINS, SHELL_TRAVERSAL, tile, tolerance_of(params));
     if (!hit.hit) {
         discard;
     }
@@ -24,7 +32,7 @@ void main()
     if (params.mode.y == OUTPUT_TEXTURE) {
         frag_color = vec4(hit.pos_texture, seen_distance(params.eye_object, hit.t, t_near));
     } else {
-        vec3 normal_object = hit_normal(prism, hit, tile);
+        vec3 normal_object = hit_normal(prism, hit, params.mode.x, tile);
         if (params.mode.y == OUTPUT_NORMAL) {
             frag_color = vec4(normal_object, float(hit.fetches));
         } else {

@@ -96,63 +96,94 @@ class Inputs:
         GL.glBufferData(GL.GL_UNIFORM_BUFFER, len(block), block, GL.GL_STATIC_DRAW)
         GL.glBindBufferBase(GL.GL_UNIFORM_BUFFER, 0, self.block)
 
+    def release(self):
+        GL.glDeleteTextures([name for _, name in self.textures])
+        GL.glDeleteBuffers(1, [self.block])
 
-def shell_program():
-    """The draw program, compiled from the shaders of the add-on with the EGL preamble."""
+
+def shell_program(traversal=None, fins=None):
+    """The draw program, compiled from the shaders of the add-on with the EGL preamble.
+
+    For one traversal and kind of fins, as the add-on draws, or without them for whatever the uniform block says.
+    """
     interface = shader_source.shell_interface()
+    chosen = {"SHELL_TRAVERSAL": traversal, "SHELL_FINS": fins}
+    defines = "".join(f"#define {name} {value}\n" for name, value in chosen.items() if value is not None)
     return compile_program(
         vert=interface.glsl_preamble("vert") + shader_source.stage("shell.vert"),
-        frag=interface.glsl_preamble("frag") + shader_source.stage("shell.frag"),
+        frag=interface.glsl_preamble("frag") + defines + shader_source.stage("shell.frag"),
     )
+
+
+class Frame:
+    """A target of `size` (width, height) and a shell's hulls, for as many draws as wanted; release() frees both."""
+
+    def __init__(self, shell, size):
+        self.size = width, height = size
+        self.color = texture(GL.GL_TEXTURE_2D, GL.GL_RGBA32F, numpy.zeros((height, width, 4), numpy.float32))
+        self.depth = int(GL.glGenRenderbuffers(1))
+        GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, self.depth)
+        GL.glRenderbufferStorage(GL.GL_RENDERBUFFER, GL.GL_DEPTH_COMPONENT32F, width, height)
+        self.target = int(GL.glGenFramebuffers(1))
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.target)
+        GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, GL.GL_COLOR_ATTACHMENT0, GL.GL_TEXTURE_2D, self.color, 0)
+        GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_RENDERBUFFER, self.depth)
+        assert GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER) == GL.GL_FRAMEBUFFER_COMPLETE
+        self.vertices = int(GL.glGenVertexArrays(1))
+        GL.glBindVertexArray(self.vertices)
+        corners = packing.hull_corners(shell.prism_count)
+        indices = numpy.ascontiguousarray(shell.indices).reshape(-1)
+        self.index_count = len(indices)
+        self.buffers = [int(name) for name in GL.glGenBuffers(2)]
+        GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self.buffers[0])
+        GL.glBufferData(GL.GL_ARRAY_BUFFER, corners.nbytes, corners, GL.GL_STATIC_DRAW)
+        GL.glEnableVertexAttribArray(0)
+        GL.glVertexAttribIPointer(0, 1, GL.GL_UNSIGNED_INT, 4, ctypes.c_void_p(0))
+        GL.glBindBuffer(GL.GL_ELEMENT_ARRAY_BUFFER, self.buffers[1])
+        GL.glBufferData(GL.GL_ELEMENT_ARRAY_BUFFER, indices.nbytes, indices, GL.GL_STATIC_DRAW)
+
+    def draw(self, program, inputs, block, clip_from_object):
+        """Draw as the viewport does, into a cleared target; the uniform block's bytes are `block`."""
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.target)
+        GL.glBindVertexArray(self.vertices)
+        GL.glViewport(0, 0, *self.size)
+        GL.glClearColor(0.0, 0.0, 0.0, 0.0)
+        GL.glClearDepth(1.0)
+        GL.glClear(GL.GL_COLOR_BUFFER_BIT | GL.GL_DEPTH_BUFFER_BIT)
+        GL.glEnable(GL.GL_DEPTH_TEST)
+        GL.glDepthFunc(GL.GL_LEQUAL)
+        GL.glEnable(GL.GL_CULL_FACE)
+        GL.glCullFace(GL.GL_FRONT)
+        inputs.bind(block)
+        GL.glUseProgram(program)
+        columns = numpy.asarray(clip_from_object, numpy.float32).T.copy()
+        GL.glUniformMatrix4fv(GL.glGetUniformLocation(program, "clip_from_object"), 1, False, columns)
+        GL.glDrawElements(GL.GL_TRIANGLES, self.index_count, GL.GL_UNSIGNED_INT, None)
+
+    def read(self):
+        """(color float32 [h, w, 4], depth float32 [h, w]); row 0 is the bottom."""
+        width, height = self.size
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.target)
+        pixels = GL.glReadPixels(0, 0, width, height, GL.GL_RGBA, GL.GL_FLOAT)
+        depths = GL.glReadPixels(0, 0, width, height, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT)
+        return (
+            numpy.frombuffer(pixels, numpy.float32).reshape(height, width, 4),
+            numpy.frombuffer(depths, numpy.float32).reshape(height, width),
+        )
+
+    def release(self):
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+        GL.glDeleteFramebuffers(1, [self.target])
+        GL.glDeleteRenderbuffers(1, [self.depth])
+        GL.glDeleteTextures([self.color])
+        GL.glDeleteBuffers(2, self.buffers)
+        GL.glDeleteVertexArrays(1, [self.vertices])
 
 
 def draw_shell(program, shell, inputs, block, clip_from_object, size):
-    """Draw as the viewport does: (color float32 [h, w, 4], depth float32 [h, w]); row 0 is the bottom."""
-    width, height = size
-    color = texture(GL.GL_TEXTURE_2D, GL.GL_RGBA32F, numpy.zeros((height, width, 4), numpy.float32))
-    depth = int(GL.glGenRenderbuffers(1))
-    GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, depth)
-    GL.glRenderbufferStorage(GL.GL_RENDERBUFFER, GL.GL_DEPTH_COMPONENT32F, width, height)
-    target = int(GL.glGenFramebuffers(1))
-    GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, target)
-    GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, GL.GL_COLOR_ATTACHMENT0, GL.GL_TEXTURE_2D, color, 0)
-    GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_RENDERBUFFER, depth)
-    assert GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER) == GL.GL_FRAMEBUFFER_COMPLETE
-    GL.glViewport(0, 0, width, height)
-    GL.glClearColor(0.0, 0.0, 0.0, 0.0)
-    GL.glClearDepth(1.0)
-    GL.glClear(GL.GL_COLOR_BUFFER_BIT | GL.GL_DEPTH_BUFFER_BIT)
-    GL.glEnable(GL.GL_DEPTH_TEST)
-    GL.glDepthFunc(GL.GL_LEQUAL)
-    GL.glEnable(GL.GL_CULL_FACE)
-    GL.glCullFace(GL.GL_FRONT)
-
-    inputs.bind(block)
-    GL.glUseProgram(program)
-    columns = numpy.asarray(clip_from_object, numpy.float32).T.copy()
-    GL.glUniformMatrix4fv(GL.glGetUniformLocation(program, "clip_from_object"), 1, False, columns)
-    vertices = int(GL.glGenVertexArrays(1))
-    GL.glBindVertexArray(vertices)
-    corners = packing.hull_corners(shell.prism_count)
-    indices = numpy.ascontiguousarray(shell.indices).reshape(-1)
-    buffers = [int(name) for name in GL.glGenBuffers(2)]
-    GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffers[0])
-    GL.glBufferData(GL.GL_ARRAY_BUFFER, corners.nbytes, corners, GL.GL_STATIC_DRAW)
-    GL.glEnableVertexAttribArray(0)
-    GL.glVertexAttribIPointer(0, 1, GL.GL_UNSIGNED_INT, 4, ctypes.c_void_p(0))
-    GL.glBindBuffer(GL.GL_ELEMENT_ARRAY_BUFFER, buffers[1])
-    GL.glBufferData(GL.GL_ELEMENT_ARRAY_BUFFER, indices.nbytes, indices, GL.GL_STATIC_DRAW)
-    GL.glDrawElements(GL.GL_TRIANGLES, len(indices), GL.GL_UNSIGNED_INT, None)
-
-    pixels = GL.glReadPixels(0, 0, width, height, GL.GL_RGBA, GL.GL_FLOAT)
-    depths = GL.glReadPixels(0, 0, width, height, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT)
-    GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
-    GL.glDeleteFramebuffers(1, [target])
-    GL.glDeleteRenderbuffers(1, [depth])
-    GL.glDeleteTextures([color])
-    GL.glDeleteBuffers(2, buffers)
-    GL.glDeleteVertexArrays(1, [vertices])
-    return (
-        numpy.frombuffer(pixels, numpy.float32).reshape(height, width, 4),
-        numpy.frombuffer(depths, numpy.float32).reshape(height, width),
-    )
+    """Draw once: (color float32 [h, w, 4], depth float32 [h, w]); row 0 is the bottom."""
+    frame = Frame(shell, size)
+    frame.draw(program, inputs, block, clip_from_object)
+    picture = frame.read()
+    frame.release()
+    return picture

@@ -62,20 +62,20 @@ void check_box(const Sample& sample, double below, double above)
             for (int x = 0; x < 64; ++x) {
                 const std::size_t pixel = static_cast<std::size_t>(y) * 64 + x;
                 const CameraRay ray = camera.ray(x, y);
+                const glm::dvec3 low(0, 0, below);
+                const glm::dvec3 high(1, 1, above);
                 glm::dvec3 normal;
                 glm::dvec3 ignored;
-                const double truth = box_entry(ray, {0, 0, below}, {1, 1, above}, normal);
-                const glm::dvec3 margin(rounding);
-                if (std::isinf(box_entry(ray, glm::dvec3(0, 0, below) - margin, glm::dvec3(1, 1, above) + margin, ignored))) {
+                const double truth = box_entry(ray, low, high, normal);
+                if (std::isinf(box_entry(ray, low - rounding, high + rounding, ignored))) {
                     ASSERT_EQ(picture.hit[pixel], 0) << x << " " << y;
-                } else if (std::isfinite(
-                               box_entry(ray, glm::dvec3(0, 0, below) + margin, glm::dvec3(1, 1, above) - margin, ignored))) {
+                } else if (std::isfinite(box_entry(ray, low + rounding, high - rounding, ignored))) {
                     hits += 1;
                     ASSERT_EQ(picture.hit[pixel], 1) << x << " " << y;
                     ASSERT_NEAR(picture.distance[pixel], truth, rounding / std::abs(glm::dot(ray.dir, normal)))
                         << x << " " << y;
                     const glm::dvec3 place = ray.origin + ray.dir * truth;
-                    const glm::dvec3 from_side = glm::min(place - glm::dvec3(0, 0, below), glm::dvec3(1, 1, above) - place);
+                    const glm::dvec3 from_side = glm::min(place - low, high - place);
                     const double second = std::max(std::min(from_side.x, from_side.y),
                                                    std::min(std::max(from_side.x, from_side.y), from_side.z));
                     if (second > 1e-3) {  // not on an edge of the box
@@ -146,9 +146,9 @@ TEST(Exact, PlanarShellIsTheTiledTriangles)
                 } else if (truth.hit[i] == 1) {
                     const glm::dvec3 dir = camera.ray(static_cast<int>(i) % 96, static_cast<int>(i) / 96).dir;
                     const double cosine = std::abs(glm::dot(dir, glm::dvec3(truth.normal[i])));
-                    const bool same = std::abs(picture.distance[i] - truth.distance[i]) <= rounding / std::max(cosine, 0.1) &&
-                                      glm::length(picture.normal[i] - truth.normal[i]) <= 1e-4f;
-                    apart += same ? 0 : 1;
+                    const double off = std::abs(picture.distance[i] - truth.distance[i]);
+                    const bool same = off <= rounding / std::max(cosine, 0.1);
+                    apart += same && glm::length(picture.normal[i] - truth.normal[i]) <= 1e-4f ? 0 : 1;
                 }
             }
             EXPECT_GT(hits, 800);

@@ -12,6 +12,7 @@
 #include "mesoshell/facets.h"
 #include "mesoshell/realize.h"
 #include "mesoshell/render.h"
+#include "mesoshell/scene.h"
 #include "meshes.h"
 
 namespace mesoshell {
@@ -126,6 +127,23 @@ TEST(JobCancel, Render)
     check_cancelling([&](Job& job) { render(shell, map, view, ShellParams{}, job); });
 }
 
+TEST(JobCancel, RenderScene)
+{
+    // Few tiles, whose pixels take their time.
+    const Map map = sphere_map({32, 32, 16});
+    const Shell shell = torus(1.0f, 0.4f, 24, 16, 6.0f, 4.0f).shell(0.3f);
+    Scene scene;
+    scene.shells.emplace_back();
+    scene.shells[0].shell = &shell;
+    scene.shells[0].map = &map;
+    scene.lights.emplace_back();
+    Film film;
+    film.clip_from_world = Camera(true, {1.5, -2.4, 2.2}, {0, 0, 0}, 0.55, {64, 64}).view().clip_from_object;
+    film.size = glm::ivec2(64);
+    film.samples = 512;
+    check_cancelling([&](Job& job) { render_scene(scene, film, job); });
+}
+
 TEST(JobCancel, Realize)
 {
     const Sample sample = sphere({0.5f, 0.5f, 0.3f}, 0.25f, 24, 32).sample(0.6f);
@@ -147,6 +165,7 @@ TEST(JobCancel, BeforeTheStart)
     EXPECT_THROW(realize(cube().shell(0.1f), sample, job), Cancelled);
     EXPECT_THROW(render(cube().shell(0.1f), sphere_map(glm::ivec3(8)), view, ShellParams{}, job), Cancelled);
     EXPECT_THROW(trace({}, {}, view, job), Cancelled);
+    EXPECT_THROW(render_scene({}, {}, job), Cancelled);
 }
 
 // Runs some work a few times over, looking at its fraction without a pause.
@@ -206,6 +225,15 @@ TEST(JobFraction, Render)
     const Shell shell = cube().shell(0.3f);
     const View view = Camera(true, {1.5, -2.4, 2.2}, {0, 0, 0}, 0.55, {64, 64}).view();
     check_fraction([&](Job& job) { render(shell, map, view, ShellParams{}, job); });
+}
+
+TEST(JobFraction, RenderScene)
+{
+    Scene scene;
+    scene.lights.emplace_back();
+    Film film;
+    film.size = glm::ivec2(100, 70);
+    check_fraction([&](Job& job) { render_scene(scene, film, job); });
 }
 
 TEST(JobFraction, StagesFollowOneAnother)

@@ -64,13 +64,15 @@ struct Segment {
 
 shader::SegmentHit march(const Map& map, const Segment& segment)
 {
-    const shader::FetchScope scope(map);
+    const MapVolumes volumes(map, MapVolumes::Parts::sdf_and_density);
+    const shader::FetchScope scope(map, volumes);
     return shader::traverse_march(tile_of_map(map), glm::vec3(segment.entry) * voxel, glm::vec3(segment.exit) * voxel);
 }
 
 shader::SegmentHit slices(const Map& map, int layers, const glm::vec3& entry_texture, const glm::vec3& exit_texture)
 {
-    const shader::FetchScope scope(map);
+    const MapVolumes volumes(map, MapVolumes::Parts::sdf_and_density);
+    const shader::FetchScope scope(map, volumes);
     shader::Tolerance tolerance{};
     tolerance.slice_layers = layers;
     return shader::traverse_slices(tile_of_map(map), tolerance, entry_texture, exit_texture);
@@ -129,7 +131,8 @@ TEST(March, StepsFollowTheNodesOfEachAxis)
     map.aspect = 2.0f;
     map.sdf_nodes = glm::ivec3(6, 9, 41);
     map.sdf.assign(6 * 9 * 41, 1.0f);
-    const shader::FetchScope scope(map);
+    const MapVolumes volumes(map, MapVolumes::Parts::sdf_and_density);
+    const shader::FetchScope scope(map, volumes);
     Random random(8);
     for (int i = 0; i < 500; ++i) {
         const glm::dvec3 entry = random.in_box({-1, -1, 0}, {2, 2, 1});
@@ -159,7 +162,8 @@ TEST(March, EndsOnSegmentsOfAnyLength)
 {
     const Map map = plane_map(true);
     const glm::vec3 entry(0.5f, 0.5f, 0.9f);
-    const shader::FetchScope scope(map);
+    const MapVolumes volumes(map, MapVolumes::Parts::sdf_and_density);
+    const shader::FetchScope scope(map, volumes);
     for (const float far : {1e6f, INFINITY, NAN}) {
         const shader::SegmentHit hit = shader::traverse_march(tile_of_map(map), entry, entry + glm::vec3(far, 0.0f, 0.0f));
         EXPECT_FALSE(hit.hit) << far;

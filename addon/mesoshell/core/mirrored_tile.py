@@ -80,5 +80,5 @@ def _joined(first, second):
     triangles = np.concatenate([first.triangles, second.triangles + len(first.positions)])
     both = np.concatenate([first.positions, second.positions])
     arrays = {name: None if getattr(first, name) is None else np.concatenate([getattr(first, name), getattr(second, name)])
-              for name in ("normals", "colors", "uvs", "material_indices")}
+              for name in ("normals", "colors", "uvs", "material_indices", "slots")}
     return replace(first, positions=both, triangles=triangles, **arrays)

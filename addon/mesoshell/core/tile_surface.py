@@ -21,6 +21,9 @@ class TileSurface:
     uvs            float32 [m, 3, 2], for the materials' images; or None
     material_indices  int32 [m], into `materials`; or None without materials
     materials      dicts {"color": (r, g, b), "roughness": f, "metallic": f, "image": None or float32 [h, w, 3]}
+    slots          int32 [m], into `slot_names`; or None
+    slot_names     what the host calls its materials; None where there is none
+    color_name, uv_name  what the host calls the colors and the UVs; empty if they have no name
     notices        sentences about what was left out or read otherwise than one may expect
     """
 
@@ -35,6 +38,10 @@ class TileSurface:
     uvs: np.ndarray = None
     material_indices: np.ndarray = None
     materials: tuple = ()
+    slots: np.ndarray = None
+    slot_names: tuple = ()
+    color_name: str = ""
+    uv_name: str = ""
     notices: tuple = field(default=())
 
     def rebuilt(self, positions, triangles, source, *, weights=None, corners=None, **changes):
@@ -52,8 +59,9 @@ class TileSurface:
             if name == "normals":
                 values = values / np.maximum(np.linalg.norm(values, axis=-1, keepdims=True), 1e-30)
             changes.setdefault(name, values.astype(np.float32))
-        if self.material_indices is not None:
-            changes["material_indices"] = self.material_indices[source]
+        for name in ("material_indices", "slots"):
+            if getattr(self, name) is not None:
+                changes[name] = getattr(self, name)[source]
         return replace(self, positions=positions, triangles=np.ascontiguousarray(triangles, np.int32), **changes)
 
 

@@ -51,7 +51,7 @@ def draw_shell(instance, clip_from_world, lights, *, output="color"):
         fins=instance.settings.fins,
     )
     block = native.module().shell_params(record.tobytes(), instance.map, clip_from_object)
-    shader = program.shell_program()
+    shader = program.shell_program(TRAVERSALS[instance.settings.traversal], FINS[instance.settings.fins])
     shell = resources.shell_resources(instance.shell, instance.place, instance.shell_version)
     tile_map = resources.map_resources(instance.map, instance.map_version)
 

@@ -1,4 +1,4 @@
-"""The draw program, compiled on first use in the running Blender."""
+"""The draw programs, one a traversal and kind of fins, compiled on first use in the running Blender."""
 
 import gpu
 
@@ -18,33 +18,38 @@ _TYPES = {
 
 _SENTENCE = "The graphics driver refused Mesoshell's shader; the log above says why. Update the driver."
 
-_program = None
-_refused = None  # the driver's answer, so that it is not asked again at every draw
+_programs = {}  # (traversal, fins) -> GPUShader
+_refused = {}  # the same -> the driver's answer, so that it is not asked again at every draw
 
 
-def shell_program():
-    """The GPUShader of interface.toml; raises RuntimeError with one sentence where it does not compile."""
-    global _program, _refused
-    if _refused is not None:
-        raise RuntimeError(_SENTENCE) from _refused
-    if _program is None:
+def shell_program(traversal, fins):
+    """The GPUShader of interface.toml for two numbers of the uniform block's mode.
+
+    A program of all traversals takes a third longer on llvmpipe, which runs every branch, and more registers on any GPU.
+    Raises RuntimeError with one sentence where it does not compile.
+    """
+    key = traversal, fins
+    if key in _refused:
+        raise RuntimeError(_SENTENCE) from _refused[key]
+    if key not in _programs:
         try:
-            _program = gpu.shader.create_from_info(_create_info(shader_source.shell_interface()))
+            _programs[key] = gpu.shader.create_from_info(_create_info(shader_source.shell_interface(), *key))
         except Exception as error:  # Blender raises a bare Exception
-            _refused = error
+            _refused[key] = error
             raise RuntimeError(_SENTENCE) from error
-    return _program
+    return _programs[key]
 
 
 def forget():
-    """Drop the program, so that the next draw compiles it again."""
-    global _program, _refused
-    _program = _refused = None
-_refused = None  # the driver's answer, so that it is not asked again at every draw
+    """Drop all programs, so that the next draws compile them again."""
+    _programs.clear()
+    _refused.clear()
 
 
-def _create_info(interface):
+def _create_info(interface, traversal, fins):
     info = gpu.types.GPUShaderCreateInfo()
+    info.define("SHELL_TRAVERSAL", str(traversal))
+    info.define("SHELL_FINS", str(fins))
     info.typedef_source(interface.glsl_struct())
     info.uniform_buf(0, interface.struct, interface.instance)
     for name, kind in interface.push_constants.items():

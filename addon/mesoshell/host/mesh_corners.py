@@ -59,11 +59,27 @@ def colors(mesh, corners, name):
 
 def uvs(mesh, corners, name):
     """UVs float32 [m, 3, 2] of a layer, or None if the mesh has no such; an empty name asks for the one that renders."""
-    layers = mesh.uv_layers
-    layer = layers.get(name) if name else next((layer for layer in layers if layer.active_render), None)
+    layer = _uv_layer(mesh, name)
     if layer is None:
         return None
     return versions.uv_array(layer, len(mesh.loops))[corners.loops]
+
+
+def uv_name(mesh):
+    """Name of the UV layer that renders; empty if there is none."""
+    layer = _uv_layer(mesh, "")
+    return "" if layer is None else layer.name
+
+
+def color_name(mesh):
+    """Name of the color attribute that an empty name asks for; empty if there is none."""
+    attribute = _color_attribute(mesh, "")
+    return "" if attribute is None else attribute.name
+
+
+def _uv_layer(mesh, name):
+    layers = mesh.uv_layers
+    return layers.get(name) if name else next((layer for layer in layers if layer.active_render), None)
 
 
 def _color_attribute(mesh, name):

@@ -80,9 +80,11 @@ class _Pieces:
 
     def __init__(self, box):
         self._box = box
-        self._meshes = {}  # what copies share: (evaluated data, slots of the object) -> (MeshCorners, colors, uvs, materials)
+        self._meshes = {}  # what copies share: (evaluated data, slots of the object) -> (MeshCorners, colors, uvs, materials, slots)
         self._copies = []  # (key of the above, affine [3, 4])
         self._table, self._indices = [], {}  # of materials
+        self._slots = {}  # numbers of materials by name
+        self._color_name = self._uv_name = ""
         self._surfaces = {}  # materials that were read, by name
         self.notices = []
 
@@ -105,11 +107,12 @@ class _Pieces:
         positions = np.concatenate([part[0] for part in parts])
         self._check_place(positions, name, options)
         triangles = np.concatenate([part[1] + start for part, start in zip(parts, starts)]).astype(np.int32)
-        normals, colors, uvs, indices = (np.concatenate([part[column] for part in parts]) for column in range(2, 6))
+        normals, colors, uvs, indices, slots = (np.concatenate([part[column] for part in parts]) for column in range(2, 7))
         return TileSurface(
             name, positions, triangles, box.height, box.aspect, options.thickness / float(box.size[0]), normals=normals,
             colors=None if np.all(colors == 1.0) else colors, uvs=uvs if np.any(uvs) else None,
             material_indices=indices, materials=tuple(materials.table_entry(surface) for surface in self._table),
+            slots=slots, slot_names=tuple(self._slots), color_name=self._color_name, uv_name=self._uv_name,
             notices=tuple(dict.fromkeys(self.notices)))
 
     def _material(self, obj, index):
@@ -131,28 +134,30 @@ class _Pieces:
         count = len(corners.triangles)
         colors = np.ones((count, 3, 3), np.float32)
         uvs = np.zeros((count, 3, 2), np.float32)
-        indices = np.zeros(count, np.int32)
+        indices, numbers = np.zeros(count, np.int32), np.zeros(count, np.int32)
         slot_of = np.clip(corners.slots, 0, len(slots) - 1)
         for slot in np.unique(slot_of):
             own = slot_of == slot
+            numbers[own] = self._slots.setdefault(slots[slot], len(self._slots))
             surface = self._surfaces[slots[slot]]
             painted = None
-            if surface.image is not None:
-                found = mesh_corners.uvs(mesh, corners, surface.uv_map)
-                if found is None:
-                    self.notices.append(f'"{obj.name}" has no UVs for the image "{surface.image.name}": unwrap it')
-                else:
-                    uvs[own] = found[own]
-            elif surface.attribute is not None or not surface.follows:
+            found = mesh_corners.uvs(mesh, corners, surface.uv_map)
+            if found is not None:
+                uvs[own] = found[own]
+                self._uv_name = self._uv_name or surface.uv_map or mesh_corners.uv_name(mesh)
+            elif surface.image is not None:
+                self.notices.append(f'"{obj.name}" has no UVs for the image "{surface.image.name}": unwrap it')
+            if surface.image is None and (surface.attribute is not None or not surface.follows):
                 # A plain color leaves the word to what was painted on the mesh.
                 painted = mesh_corners.colors(mesh, corners, surface.attribute or "")
                 if painted is None and surface.attribute:
                     self.notices.append(f'"{obj.name}" has no color attribute "{surface.attribute}"')
             if painted is not None:
                 colors[own] = painted[own]
+                self._color_name = self._color_name or surface.attribute or mesh_corners.color_name(mesh)
                 surface = surface._replace(color=(1.0, 1.0, 1.0))
             indices[own] = self._index(surface)
-        return corners, colors, uvs, indices
+        return corners, colors, uvs, indices, numbers
 
     def _index(self, surface):
         if surface not in self._indices:
@@ -161,8 +166,8 @@ class _Pieces:
         return self._indices[surface]
 
     def _placed(self, key, affine):
-        """positions, triangles, normals, colors, uvs, material indices of one copy."""
-        corners, colors, uvs, indices = self._meshes[key]
+        """positions, triangles, normals, colors, uvs, material indices, slots of one copy."""
+        corners, colors, uvs, indices, slots = self._meshes[key]
         linear = affine[:, :3]
         positions = corners.positions.astype(np.float64) @ linear.T + affine[:, 3]
         triangles = corners.triangles
@@ -175,7 +180,7 @@ class _Pieces:
             normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-30)
         if determinant < 0.0:
             triangles, normals, colors, uvs = (array[:, ::-1] for array in (triangles, normals, colors, uvs))
-        return positions, triangles, normals, colors, uvs, indices
+        return positions, triangles, normals, colors, uvs, indices, slots
 
     def _check_place(self, positions, name, options):
         box = self._box

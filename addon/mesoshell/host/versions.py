@@ -13,6 +13,9 @@ FLAT_COLOR_SHADER, SMOOTH_COLOR_SHADER, LINE_SHADER = (
     _PREFIX + name for name in ('UNIFORM_COLOR', 'SMOOTH_COLOR', 'POLYLINE_UNIFORM_COLOR'))
 
 
+# Whether the sizes of faces follow from where each begins: since 3.6.
+FACE_SIZES_FOLLOW = bpy.types.MeshPolygon.bl_rna.properties["loop_total"].is_readonly
+
 _CREASES_ARE_ATTRIBUTES = "crease" not in bpy.types.MeshEdge.bl_rna.properties  # since 4.0
 
 
@@ -50,6 +53,18 @@ def corner_normals(mesh):
         mesh.loops.foreach_get("normal", normals)
         mesh.free_normals_split()
     return normals.reshape(-1, 3)
+
+
+def set_corner_normals(mesh, normals):
+    """Shades a mesh whose faces are smooth by normals [corners, 3]; before 4.1 that takes Auto Smooth."""
+    mesh.normals_split_custom_set(normals)
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True
+
+
+def shade_flat(mesh):
+    """Makes the faces of a mesh flat."""
+    mesh.polygons.foreach_set("use_smooth", np.zeros(len(mesh.polygons), bool))
 
 
 def has_custom_normals(mesh):

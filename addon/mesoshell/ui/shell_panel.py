@@ -35,6 +35,7 @@ class MESOSHELL_PT_shell(SidebarPanel, bpy.types.Panel):
         count = shells.prism_count(obj)
         if count is not None:
             layout.label(text=f"{count:,} prisms")
+        layout.operator("mesoshell.realize", icon='MESH_DATA')
         layout.operator("mesoshell.remove_shell", icon='X')
 
 

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mesoshell {
 
@@ -12,5 +13,8 @@ enum class Traversal { gdm = 0, sdf = 1, refined = 2, march = 3, slices = 4, exa
 // Throws InvalidArgument, with the names to choose from, for one that does not exist.
 Traversal traversal_named(std::string_view name);
 void check_traversal(int traversal);
+
+// Those that exist, in the order of the enumeration.
+std::vector<std::string> traversal_names();
 
 }  // namespace mesoshell
