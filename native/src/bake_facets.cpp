@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "facet_reach.h"
 #include "facet_texels.h"
 #include "mesoshell/bake.h"
 #include "parallel.h"
@@ -56,6 +57,7 @@ private:
 // A cell that a surface touches.
 struct Cell {
     FacetFit fit;
+    FacetReach reach;
     std::uint64_t parts = 0;  // where it is split
     std::vector<FacetTexel> part_texels;
 };
@@ -103,7 +105,7 @@ Facets bake_facets(const Sample& sample, int cells, Job& job)
     const Points points(sample, n, job);
     job.stage(0.1f, 0.2f);
     const std::vector<std::vector<FacetPolygon>> polygons = facet_polygons(sample, n, job);
-    job.stage(0.2f, 0.9f);
+    job.stage(0.2f, 0.8f);
     const glm::dvec3 side = glm::dvec3(1.0, sample.aspect(), sample.height()) / glm::dvec3(n);
     std::vector<Cell> fitted(count);
     parallel_for(job, n.z * n.y, [&](int row) {
@@ -122,7 +124,18 @@ Facets bake_facets(const Sample& sample, int cells, Job& job)
         }
     });
 
-    job.stage(0.9f, 1.0f);
+    job.stage(0.8f, 0.95f);
+    const FacetGrid grid{n, side, polygons, points_a_side, [&](const glm::ivec3& point) { return points.at(point) != 0; }};
+    parallel_for(job, n.z * n.y, [&](int row) {
+        for (int x = 0; x < n.x && !job.cancelled(); ++x) {
+            Cell& cell = fitted[static_cast<std::size_t>(row) * n.x + x];
+            if (cell.fit.found && cell.parts == 0) {
+                cell.reach = facet_reach(cell.fit, {x, row % n.y, row / n.y}, grid);
+            }
+        }
+    });
+
+    job.stage(0.95f, 1.0f);
     std::vector<std::uint8_t> full(count);
     for (std::size_t i = 0; i < count; ++i) {
         const glm::ivec3 place(i % n.x, i / n.x % n.y, i / n.x / n.y);
@@ -137,7 +150,7 @@ Facets bake_facets(const Sample& sample, int cells, Job& job)
         } else if (!cell.fit.found) {
             texels[i] = solid_texel();
         } else if (cell.parts == 0) {
-            texels[i] = plane_texel(cell.fit);
+            texels[i] = plane_texel(cell.fit, cell.reach);
         } else {
             texels[i] = split_texel(cell.parts, static_cast<std::uint32_t>(texels.size()));
             texels.insert(texels.end(), cell.part_texels.begin(), cell.part_texels.end());

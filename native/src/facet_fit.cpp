@@ -247,6 +247,21 @@ private:
 
 }  // namespace
 
+double distance_of(const FacetFit& fit, const glm::dvec3& from_middle, double radius)
+{
+    double least = 1e9;
+    for (const int group : facet_forms[fit.form]) {
+        double most = -1e9;
+        for (int i = 0; i < 4; ++i) {
+            if ((group >> i & 1) != 0) {
+                most = std::max(most, glm::dot(glm::dvec3(fit.planes[i]), from_middle) - fit.planes[i].w * radius);
+            }
+        }
+        least = std::min(least, most);
+    }
+    return least;
+}
+
 FacetFit fit_facets(std::span<const FacetPolygon> polygons, const FacetBox& box, std::span<const std::uint8_t> inside, int side)
 {
     std::vector<FacetPolygon> parts;
