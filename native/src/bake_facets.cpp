@@ -62,13 +62,14 @@ struct Cell {
     std::vector<FacetTexel> part_texels;
 };
 
-void split(Cell& cell, const std::vector<FacetPolygon>& polygons, const FacetBox& box, const glm::ivec3& place, const Points& points)
+void split(Cell& cell, const std::vector<FacetPolygon>& polygons, const FacetBox& box, const glm::ivec3& place,
+           const Points& points)
 {
     const glm::dvec3 side = box.side / double(parts_a_side);
     for (int bit = 0; bit < parts_a_side * parts_a_side * parts_a_side; ++bit) {
         const glm::ivec3 part = glm::ivec3(bit, bit / parts_a_side, bit / parts_a_side / parts_a_side) % parts_a_side;
-        const FacetFit fit = fit_facets(polygons, {box.lower + side * glm::dvec3(part), side},
-                                        points.of_box((place * parts_a_side + part) * part_points, part_points), part_points);
+        const std::vector<std::uint8_t> inside = points.of_box((place * parts_a_side + part) * part_points, part_points);
+        const FacetFit fit = fit_facets(polygons, {box.lower + side * glm::dvec3(part), side}, inside, part_points);
         if (fit.found) {
             cell.parts |= std::uint64_t(1) << bit;
             cell.part_texels.push_back(plane_texel(fit));
@@ -159,7 +160,8 @@ Facets bake_facets(const Sample& sample, int cells, Job& job)
     const std::size_t layer = static_cast<std::size_t>(n.x) * n.y;
     texels.resize((texels.size() + layer - 1) / layer * layer, FacetTexel{});
     if (texels.size() / layer > most_layers) {
-        throw InvalidArgument("the facets need more than " + std::to_string(most_layers) + " layers of a texture; change their number of cells");
+        throw InvalidArgument("the facets need more than " + std::to_string(most_layers) +
+                              " layers of a texture; change their number of cells");
     }
     for (const FacetTexel& texel : texels) {
         facets.texels.insert(facets.texels.end(), texel.begin(), texel.end());

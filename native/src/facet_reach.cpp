@@ -7,9 +7,8 @@ namespace mesoshell {
 namespace {
 
 constexpr double voxel = 1.0 / 64.0;  // tile widths
-constexpr double most_apart = 0.1 * voxel;
-constexpr double most_apart_in_the_mean = 0.02 * voxel;
-constexpr int most_wrong = 1;
+constexpr double most_apart = 0.05 * voxel;
+constexpr double most_apart_in_the_mean = 0.01 * voxel;
 
 // Whether the planes of a cell hold in one that lies `offset` cells away.
 bool holds(const FacetFit& fit, const glm::ivec3& place, const glm::ivec3& offset, const FacetGrid& grid)
@@ -20,15 +19,14 @@ bool holds(const FacetFit& fit, const glm::ivec3& place, const glm::ivec3& offse
     }
     const glm::ivec3 other = (place + offset + grid.cells) % grid.cells;
     const double radius = 0.5 * glm::length(grid.side);
-    int wrong = 0;
     for (int z = 0; z <= grid.points_a_side; z += 2) {
         for (int y = 0; y <= grid.points_a_side; y += 2) {
             for (int x = 0; x <= grid.points_a_side; x += 2) {
                 const glm::ivec3 point(x, y, z);
-                const glm::dvec3 from_middle = (glm::dvec3(offset) + glm::dvec3(point) / double(grid.points_a_side) - 0.5) * grid.side;
+                const glm::dvec3 place_in_cells = glm::dvec3(offset) + glm::dvec3(point) / double(grid.points_a_side) - 0.5;
+                const glm::dvec3 from_middle = place_in_cells * grid.side;
                 const bool behind = distance_of(fit, from_middle, radius) < 0.0;
-                wrong += behind != grid.is_inside(other * grid.points_a_side + point) ? 1 : 0;
-                if (wrong > most_wrong) {
+                if (behind != grid.is_inside(other * grid.points_a_side + point)) {
                     return false;
                 }
             }

@@ -26,8 +26,8 @@ struct FacetReach {
     glm::ivec3 forward{0};
 };
 
-// In every cell of the box the planes put at most one of its points on the wrong side, and are nowhere farther than a tenth,
-// in the mean not farther than a fiftieth, of a 64th of a tile width from the surface. Beyond the slab all is well.
+// In every cell of the box the planes put every other of its points on the right side, and are nowhere farther than a twentieth,
+// in the mean not farther than a hundredth, of a 64th of a tile width from the surface. Beyond the slab all is well.
 FacetReach facet_reach(const FacetFit& fit, const glm::ivec3& place, const FacetGrid& grid);
 
 }  // namespace mesoshell
