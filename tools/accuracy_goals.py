@@ -56,7 +56,7 @@ def goals_of(results):
     goals = []
     if "realized" in names:
         goals += _everywhere(results, "realized", "silhouette IoU of the mesh against exact", "iou", REALIZED_IOU, True)
-    for name in (n for n in names if n.split()[0] == "refined" and "no leaps" not in n):
+    for name in (n for n in names if n.split()[0] == "refined"):
         for text, key, bound, least in REFINED:
             goals += _everywhere(results, name, text, key, bound, least)
         goals.append(_bounded(f"{name}: bytes", size[name], REFINED_BYTES, False))

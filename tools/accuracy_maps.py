@@ -16,7 +16,7 @@ LIBRARY = STAGE / "mesoshell_native.libs" / "libmesoshell.so"
 FIELDS = {"default": (64, 64, 33), "fine": (128, 128, 65)}
 
 # What a traversal and the normal at its hit read.
-READS = {"gdm": ("terms", "sdf"), "sdf": ("sdf",), "refined": ("sdf", "leaps"), "march": ("density", "sdf"),
+READS = {"gdm": ("terms", "sdf"), "sdf": ("sdf",), "refined": ("facets", "sdf"), "march": ("density", "sdf"),
          "slices": ("density", "sdf"), "exact": ("triangles",)}
 
 
@@ -27,28 +27,20 @@ class Variant:
 
     traversal: str
     field: str = "default"
-    leaps: bool = True
 
     @property
     def name(self):
-        return self.traversal + ("" if self.field == "default" else f" {self.field}") + ("" if self.leaps else " no leaps")
+        return self.traversal + ("" if self.field == "default" else f" {self.field}")
 
     @property
     def in_sheet(self):
         """Whether pictures of it are shown: one for each traversal, so that they stay large enough to look at."""
-        return self.field == "default" and self.leaps
+        return self.field == "default"
 
 
 def variants_of(traversals):
-    """All that is measured, in the table's order: each traversal, and what it takes to judge `refined` by."""
-    rows = []
-    for traversal in traversals:
-        rows.append(Variant(traversal))
-        if traversal in ("sdf", "refined"):
-            rows.append(Variant(traversal, field="fine"))
-        if traversal == "refined":
-            rows.append(Variant(traversal, leaps=False))
-    return rows
+    """All that is measured, in the table's order: each traversal, and sphere tracing in finer fields to judge `refined` by."""
+    return [Variant(traversal, field) for traversal in traversals for field in (FIELDS if traversal == "sdf" else ["default"])]
 
 
 def sample_of(native, tile):
@@ -57,7 +49,7 @@ def sample_of(native, tile):
 
 def tile_map(native, tile, sample, variant, small=False):
     """The variant's map of the tile, from the cache where it is there. `small`: few nodes and terms of the GDM."""
-    settings = {"sdf": FIELDS[variant.field], "leaps": variant.leaps, "small": small}
+    settings = {"sdf": FIELDS[variant.field], "small": small}
     folder = CACHE / hashlib.sha256(LIBRARY.read_bytes()).hexdigest()[:16]
     key = hashlib.sha256(json.dumps([settings, tile.height, tile.aspect]).encode())
     key.update(tile.positions.tobytes() + tile.triangles.tobytes())
@@ -66,7 +58,7 @@ def tile_map(native, tile, sample, variant, small=False):
         forget_others(folder)
         grid = {"resolution": (32, 32, 16), "directions": (8, 12), "terms": 8} if small else {}
         native.bake_map(sample, sdf=native.bake_sdf(sample, resolution=FIELDS[variant.field]),
-                        leaps=native.bake_leaps(sample) if variant.leaps else None, **grid).save(str(path))
+                        facets=native.bake_facets(sample), **grid).save(str(path))
     # Always as a file holds it, so that a run from the cache is the run that filled it.
     return native.load(str(path))
 
@@ -80,14 +72,14 @@ def forget_others(folder):
 
 
 def data_bytes(native, traversal, a_map, sample):
-    """Bytes of what the traversal reads: terms as they are compressed, distances in halves, densities and leaps in bytes."""
+    """Bytes of what the traversal reads: terms as they are compressed, distances in halves, densities in bytes."""
     nodes = a_map.sdf.size
     sizes = {
         "terms": lambda: native.plan_bake(resolution=a_map.resolution, directions=a_map.directions, terms=a_map.terms,
                                           layout=a_map.layout, precision=a_map.precision)["term_bytes"],
         "sdf": lambda: 2 * nodes,
         "density": lambda: nodes,
-        "leaps": lambda: 0 if a_map.leaps is None else a_map.leaps.size,
+        "facets": lambda: a_map.facets.nbytes,
         "triangles": lambda: 12 * (sample.vertex_count + sample.triangle_count),
     }
     return int(sum(sizes[part]() for part in READS[traversal]))

@@ -20,6 +20,7 @@ NAMES = [
     "host.properties",
     "host.overlay_options",
     "host.bake_options",
+    "host.render_options",
     "host.shells",
     "host.bake_state",
     "ops.add_tile_box",
@@ -34,6 +35,8 @@ NAMES = [
     "ui.bake_panel",
     "ui.shell_panel",
     "ui.shell_subpanels",
+    "engine.engine",
+    "ui.engine_panels",
 ]
 if not bpy.app.background:
     NAMES.append("gpu.handler")

@@ -74,7 +74,7 @@ void SceneArguments::add_shell(PyObject* object, const std::string& what)
     shell.world_from_object = matrix(state_, fields.need("world_from_object"), fields.called("world_from_object").c_str());
     try {
         shell.settings = params_argument(fields.find("settings"));
-        shell.settings.mode.x = static_cast<int>(traversal_named(fields.text("traversal", "sdf")));
+        shell.settings.mode.x = static_cast<int>(traversal_named(fields.text("traversal", "refined")));
     } catch (const InvalidArgument& problem) {
         throw InvalidArgument(what + ": " + problem.what());
     }

@@ -113,7 +113,7 @@ PyMethodDef functions[] = {
      "(along the "
      "view axis, 1e10 for nothing), normal (world), index (object_index, -1 for nothing) and fetches; row 0 is the "
      "bottom.\n\n"
-     "shells: dicts of shell, map, world_from_object; sample, traversal='sdf', settings, base_color, object_index=0, "
+     "shells: dicts of shell, map, world_from_object; sample, traversal='refined', settings, base_color, object_index=0, "
      "visible_camera=True, visible_shadow=True.\n"
      "meshes: dicts of positions [n, 3] in world space, triangles [m, 3]; normals [n, 3] or [3 m, 3], base_color or colors "
      "[m, 3], "

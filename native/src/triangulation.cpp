@@ -5,6 +5,10 @@
 namespace mesoshell {
 namespace {
 
+// Diagonals whose squared lengths differ by less of them count as equal, and the first is taken: on symmetric meshes they
+// differ by roundings, which change as the mesh turns.
+constexpr float tie = 1e-3f;
+
 class Triangulation {
 public:
     Triangulation(const RefinedSurface& surface, std::span<const std::uint8_t> covered) : surface_(surface), covered_(covered) {}
@@ -31,7 +35,7 @@ public:
             const glm::vec3 diagonal_13 = size == 4 ? at(first + 3) - at(first + 1) : glm::vec3(0.0f);
             if (size == 3) {
                 add(face, first, first + 1, first + 2);
-            } else if (glm::dot(diagonal_02, diagonal_02) <= glm::dot(diagonal_13, diagonal_13)) {
+            } else if (glm::dot(diagonal_02, diagonal_02) <= (1.0f + tie) * glm::dot(diagonal_13, diagonal_13)) {
                 add(face, first, first + 1, first + 2);
                 add(face, first, first + 2, first + 3);
             } else {

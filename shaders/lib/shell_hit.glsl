@@ -28,10 +28,10 @@ struct ShellHit {
     int fetches;
 };
 
-// The paper's single lookup wants the whole stretch, and layers are met one by one whatever the path between them.
+// The paper's single lookup wants the whole stretch.
 bool follows_curve(int traversal)
 {
-    return traversal != TRAVERSAL_GDM && traversal != TRAVERSAL_SLICES;
+    return traversal != TRAVERSAL_GDM;
 }
 
 // Rays and prisms are in object space; dir has unit length. A stretch of the ray is a curve in texture space: it is followed by

@@ -122,7 +122,9 @@ EEVEE = 'BLENDER_EEVEE_NEXT' if (4, 2, 0) <= bpy.app.version < (5, 0, 0) else 'B
 @pytest.mark.parametrize("shading, engine, overlays", [
     (dict(type='SOLID', show_xray=True), EEVEE, True), (dict(type='WIREFRAME', show_xray_wireframe=True), EEVEE, True),
     (dict(type='RENDERED'), EEVEE, False), (dict(type='RENDERED'), 'CYCLES', False), (dict(type='MATERIAL'), EEVEE, False),
-], ids=["x-ray", "x-ray wireframe", "eevee without overlays", "cycles without overlays", "material without overlays"])
+    (dict(type='RENDERED'), 'MESOSHELL', False),
+], ids=["x-ray", "x-ray wireframe", "eevee without overlays", "cycles without overlays", "material without overlays",
+        "our engine without overlays"])
 def test_modes_that_leave_no_depth(part, native, view, mail, shading, engine, overlays):
     """Where Blender's own depth is not to be had, ours is: the same picture, before and behind."""
     space, region = view

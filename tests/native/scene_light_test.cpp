@@ -6,6 +6,7 @@
 
 #include "check.h"
 #include "mesoshell/bake.h"
+#include "mesoshell/facets.h"
 #include "mesoshell/traversal.h"
 #include "scene_film.h"
 #include "scene_with.h"
@@ -336,9 +337,10 @@ TEST(SceneLight, ConvexShellsCastNoShadowOnThemselves)
     const Sample sample = slab(slab_below, slab_above).sample(0.5f);
     const Gdm gdm = bake_gdm(sample, r, job);
     const Sdf sdf = bake_sdf(sample, {16, 16, 11}, job);
-    const Map map = compress(gdm, &sdf, CompressOptions{}, job);
+    Map map = compress(gdm, &sdf, CompressOptions{}, job);
+    map.facets = bake_facets(sample, 32, job);
     for (const Traversal traversal :
-         {Traversal::gdm, Traversal::sdf, Traversal::march, Traversal::slices, Traversal::exact}) {
+         {Traversal::refined, Traversal::gdm, Traversal::sdf, Traversal::march, Traversal::slices, Traversal::exact}) {
         Scene scene;
         scene.shells.push_back(placed(shell, map));
         scene.shells[0].sample = &sample;

@@ -3,7 +3,7 @@
 The cage is the mesh without the Subdivision Surface modifiers at the end of its stack. Where other modifiers or shape keys
 shape it, they are evaluated once more with those switched off on the evaluated object: its flags are set by foreach_set,
 which notifies nobody, so that a draw handler may do it and no data-block is made. In Edit mode the cage is the mesh that is
-edited, without modifiers.
+edited, without modifiers; a render asks for what Object mode shows.
 """
 
 from contextlib import contextmanager
@@ -54,12 +54,13 @@ def mesh_of(obj, depsgraph, *, cage=False, layers=False):
     """
     evaluated = _evaluated(obj, depsgraph)
     switched_off = _trailing(obj, depsgraph) if cage else []
-    if cage and obj.data.is_editmode or _is_at_rest(obj, depsgraph, switched_off):
+    edits = obj.data.is_editmode and depsgraph.mode != 'RENDER'
+    if cage and edits or _is_at_rest(obj, depsgraph, switched_off):
         with rest_mesh(obj) as mesh:
             yield mesh
         return
     flags = _flags(evaluated, depsgraph)
-    keep_all = layers and bool(obj.modifiers) and not obj.data.is_editmode
+    keep_all = layers and bool(obj.modifiers) and not edits
     try:
         if switched_off:
             off = {modifier.name for modifier in switched_off}

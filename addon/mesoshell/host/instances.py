@@ -11,7 +11,7 @@ import numpy as np
 
 # What evaluates to a mesh, or shows copies of what does.
 SOURCE_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META', 'CURVES', 'POINTCLOUD', 'VOLUME', 'EMPTY'}
-_MESH_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META'}
+MESH_TYPES = {'MESH', 'CURVE', 'SURFACE', 'FONT', 'META'}
 
 
 def visit(depsgraph, objects, see, see_volume):
@@ -28,7 +28,7 @@ def visit(depsgraph, objects, see, see_volume):
         owner = instance.parent if instance.is_instance else obj
         if owner is None or owner.original not in wanted or not instance.show_self:
             continue
-        if obj.type not in _MESH_TYPES and obj.type != 'VOLUME':
+        if obj.type not in MESH_TYPES and obj.type != 'VOLUME':
             continue
         if len(wanted) > 1 and obj.display_type in {'WIRE', 'BOUNDS'}:
             left_out += 1
@@ -54,7 +54,7 @@ def visit(depsgraph, objects, see, see_volume):
         missing = list(wanted)
     for owner in missing:
         evaluated = owner.evaluated_get(depsgraph)
-        if evaluated.type in _MESH_TYPES:
+        if evaluated.type in MESH_TYPES:
             see(evaluated, np.array(evaluated.matrix_world, np.float64))
         elif evaluated.type == 'VOLUME':
             see_volume(evaluated, np.array(evaluated.matrix_world, np.float64))
@@ -72,6 +72,16 @@ def mesh_of(obj):
         yield mesh
     finally:
         obj.to_mesh_clear()
+
+
+def slot_material(obj, index):
+    """The original of the material in a slot of an evaluated object, or None."""
+    slot = obj.material_slots[index] if index < len(obj.material_slots) else None
+    if slot is not None and slot.link == 'OBJECT':
+        material = slot.material
+    else:  # the evaluated mesh knows what nodes assigned, the slots may not
+        material = obj.data.materials[index] if index < len(obj.data.materials) else None
+    return None if material is None else material.original
 
 
 def is_evaluated(obj, depsgraph):

@@ -79,14 +79,27 @@ def visible(depsgraph, space=None):
     global _asked
     _asked += 1
     instances = []
-    for obj in depsgraph.view_layer.objects:
-        if obj.mesoshell.enabled and _is_visible(obj, depsgraph, space):
-            instance = one(obj, depsgraph)
-            if instance is not None:
-                instances.append(instance)
-    for place in [place for place, entry in _entries.items() if _asked - entry.last_asked > _IDLE_CALLS]:
-        del _entries[place]
+    for obj in shown(depsgraph, space):
+        instance = one(obj, depsgraph)
+        if instance is not None:
+            instances.append(instance)
+    for place in [place for place, entry in list(_entries.items()) if _asked - entry.last_asked > _IDLE_CALLS]:
+        _entries.pop(place, None)
     return instances
+
+
+def shown(depsgraph, space=None):
+    """The list of the objects with a shell that visible() asks for, whether their shells can be built or not."""
+    having = [obj for obj in depsgraph.view_layer.objects if obj.mesoshell.enabled]
+    if depsgraph.mode != 'RENDER':
+        return [obj for obj in having if obj.visible_get(view_layer=depsgraph.view_layer,
+                                                         **({} if space is None else {"viewport": space}))]
+    if not having:
+        return []
+    # Whether a collection is hidden from renders, the depsgraph knows.
+    rendered = {instance.object.original for instance in depsgraph.object_instances
+                if not instance.is_instance and instance.show_self}
+    return [obj for obj in having if obj in rendered]
 
 
 def one(obj, depsgraph):
@@ -96,9 +109,16 @@ def one(obj, depsgraph):
     return _instance(obj, depsgraph, entry) if entry.problem is None else None
 
 
-def problem(obj):
-    """The sentence of what keeps an object's shell from being drawn, or None."""
-    for mode in ('VIEWPORT', 'RENDER'):
+def read_again(depsgraph):
+    """Says that geometry may have changed unannounced, as when a render makes a depsgraph of its own."""
+    for (_object_key, mode), entry in list(_entries.items()):
+        if mode == depsgraph.mode:
+            entry.stale = _EDITED
+
+
+def problem(obj, modes=('VIEWPORT', 'RENDER')):
+    """The sentence of what keeps an object's shell from being drawn, or None; `modes` are those of depsgraphs."""
+    for mode in modes:
         entry = _entries.get((versions.object_key(obj), mode))
         if entry is not None and entry.problem is not None:
             return entry.problem
@@ -138,14 +158,6 @@ def forget():
     """Drops everything; what is asked for next is built anew."""
     _entries.clear()
     shell_checks.forget()
-
-
-def _is_visible(obj, depsgraph, space):
-    if depsgraph.mode == 'RENDER':
-        return not obj.hide_render
-    if space is None:
-        return obj.visible_get(view_layer=depsgraph.view_layer)
-    return obj.visible_get(view_layer=depsgraph.view_layer, viewport=space)
 
 
 def _up_to_date(obj, depsgraph):
@@ -207,7 +219,7 @@ def _on_depsgraph_update(_scene, depsgraph):
             shell_keys.image_changed(update.id.original)
         elif update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
             changed.add(versions.object_key(update.id.original))
-    for (object_key, _mode), entry in _entries.items():
+    for (object_key, _mode), entry in list(_entries.items()):  # a render's thread may add some
         if object_key in changed:
             entry.stale = _EDITED
 
@@ -215,7 +227,7 @@ def _on_depsgraph_update(_scene, depsgraph):
 @persistent
 def _on_frame_change(*_arguments):
     # The depsgraph's list of updates is empty then; what is read tells what really moved.
-    for entry in _entries.values():
+    for entry in list(_entries.values()):
         entry.stale = max(entry.stale, _MOVED)
 
 

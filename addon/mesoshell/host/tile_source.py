@@ -117,12 +117,7 @@ class _Pieces:
 
     def _material(self, obj, index):
         """Name of the material of a slot, for keys; the material itself is kept aside."""
-        slot = obj.material_slots[index] if index < len(obj.material_slots) else None
-        if slot is not None and slot.link == 'OBJECT':
-            material = slot.material
-        else:  # the evaluated mesh knows what nodes assigned, the slots may not
-            material = obj.data.materials[index] if index < len(obj.data.materials) else None
-        original = None if material is None else material.original
+        original = instances.slot_material(obj, index)
         name = None if original is None else original.name_full
         if name not in self._surfaces:
             self._surfaces[name] = materials.read(original, self.notices)

@@ -15,6 +15,15 @@ FLAT_COLOR_SHADER, SMOOTH_COLOR_SHADER, LINE_SHADER = (
 
 # Whether the sizes of faces follow from where each begins: since 3.6.
 FACE_SIZES_FOLLOW = bpy.types.MeshPolygon.bl_rna.properties["loop_total"].is_readonly
+# The name of the render pass of objects' indices, by which the compositor and files know it.
+OBJECT_INDEX_PASS = "Object Index" if bpy.app.version >= (5, 0, 0) else "IndexOB"
+
+WIDEST_SUN = 3.14  # radians, of what is rendered: less than half of all directions, which Blender's greatest angle is
+
+# Whether Cycles multiplies a spot by the cosine to its axis.
+SPOTS_HAVE_COSINE = bpy.app.version < (4, 0, 0)
+
+_BLENDERS_OWN_ENGINES = {'BLENDER_EEVEE', 'BLENDER_EEVEE_NEXT', 'BLENDER_WORKBENCH'}
 
 _CREASES_ARE_ATTRIBUTES = "crease" not in bpy.types.MeshEdge.bl_rna.properties  # since 4.0
 
@@ -121,6 +130,19 @@ def light_color(light):
     return color
 
 
+def light_gain(light):
+    """What Cycles makes of a light's power, over what it made of it in 3.4 (seen on 4.3.2 and 5.2.2 too).
+
+    An area emits all of its power instead of a pi / 4 of it, and a sun's irradiance is what it says, whatever its angle.
+    """
+    if bpy.app.version >= (4, 0, 0) and light.type == 'AREA':
+        return 4.0 / np.pi
+    if bpy.app.version >= (4, 0, 0) and light.type == 'SUN':
+        cosine = np.cos(min(light.angle, WIDEST_SUN) / 2.0)
+        return (1.0 + cosine) / (2.0 * cosine)
+    return 1.0
+
+
 def world_nodes(world):
     """The node tree that makes a world's light, or None; since 5.0 every world has one."""
     if bpy.app.version < (5, 0, 0) and not world.use_nodes:
@@ -139,12 +161,13 @@ def draw_progress(layout, text, fraction, fallback, fallback_property):
 def handlers_see_depth(space, engine):
     """Whether draw handlers of a 3D View find the scene's depth in the framebuffer (seen on 3.4.1, 4.3.2 and 5.2.2).
 
-    X-ray views have none before 5.0. With overlays off, Cycles leaves none, and since 4.2 Eevee neither.
+    X-ray views have none before 5.0. With overlays off, Cycles leaves none, nor do engines of other add-ons, and since 4.2
+    Eevee neither.
     """
     shading, overlays = space.shading, space.overlay.show_overlays
     if shading.type in {'SOLID', 'WIREFRAME'}:
         xray = shading.show_xray if shading.type == 'SOLID' else shading.show_xray_wireframe
         return not xray or bpy.app.version >= (5, 0, 0)
-    if shading.type == 'RENDERED' and engine == 'CYCLES':
+    if shading.type == 'RENDERED' and engine not in _BLENDERS_OWN_ENGINES:
         return overlays
     return overlays or bpy.app.version < (4, 2, 0)

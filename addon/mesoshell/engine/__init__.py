@@ -1,0 +1,1 @@
+"""The render engine: pictures by F12 and animations in the background, without a GPU."""
