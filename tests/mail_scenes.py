@@ -12,7 +12,7 @@ from tiles import chain
 TILE_HEIGHT = 0.5
 
 # Every traversal that the draw program has, by its number in the uniform block: all are held to the reference renderer.
-TRAVERSALS = {"gdm": 0, "sdf": 1, "refined": 2, "march": 3, "slices": 4}
+TRAVERSALS = {"gdm": 0, "sdf": 1, "march": 3, "slices": 4, "refined": 2}
 
 
 @cache

@@ -36,7 +36,7 @@ PyGetSetDef facets_attributes[] = {
 };
 
 PyType_Slot facets_slots[] = {
-    {Py_tp_doc, const_cast<char*>("Of each cell of a tile, the planes that bound the solid there, or how far around it nothing is.")},
+    {Py_tp_doc, const_cast<char*>("Of each cell of a tile, the planes that bound the solid in it, or how far all is empty.")},
     {Py_tp_dealloc, reinterpret_cast<void*>(dealloc_boxed<Facets>)},
     {Py_tp_getset, facets_attributes},
     {0, nullptr},

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "facet_reach.h"
 #include "facet_texels.h"
 #include "mesoshell/bake.h"
 #include "parallel.h"
@@ -56,17 +57,19 @@ private:
 // A cell that a surface touches.
 struct Cell {
     FacetFit fit;
+    FacetReach reach;
     std::uint64_t parts = 0;  // where it is split
     std::vector<FacetTexel> part_texels;
 };
 
-void split(Cell& cell, const std::vector<FacetPolygon>& polygons, const FacetBox& box, const glm::ivec3& place, const Points& points)
+void split(Cell& cell, const std::vector<FacetPolygon>& polygons, const FacetBox& box, const glm::ivec3& place,
+           const Points& points)
 {
     const glm::dvec3 side = box.side / double(parts_a_side);
     for (int bit = 0; bit < parts_a_side * parts_a_side * parts_a_side; ++bit) {
         const glm::ivec3 part = glm::ivec3(bit, bit / parts_a_side, bit / parts_a_side / parts_a_side) % parts_a_side;
-        const FacetFit fit = fit_facets(polygons, {box.lower + side * glm::dvec3(part), side},
-                                        points.of_box((place * parts_a_side + part) * part_points, part_points), part_points);
+        const std::vector<std::uint8_t> inside = points.of_box((place * parts_a_side + part) * part_points, part_points);
+        const FacetFit fit = fit_facets(polygons, {box.lower + side * glm::dvec3(part), side}, inside, part_points);
         if (fit.found) {
             cell.parts |= std::uint64_t(1) << bit;
             cell.part_texels.push_back(plane_texel(fit));
@@ -103,7 +106,7 @@ Facets bake_facets(const Sample& sample, int cells, Job& job)
     const Points points(sample, n, job);
     job.stage(0.1f, 0.2f);
     const std::vector<std::vector<FacetPolygon>> polygons = facet_polygons(sample, n, job);
-    job.stage(0.2f, 0.9f);
+    job.stage(0.2f, 0.8f);
     const glm::dvec3 side = glm::dvec3(1.0, sample.aspect(), sample.height()) / glm::dvec3(n);
     std::vector<Cell> fitted(count);
     parallel_for(job, n.z * n.y, [&](int row) {
@@ -122,7 +125,18 @@ Facets bake_facets(const Sample& sample, int cells, Job& job)
         }
     });
 
-    job.stage(0.9f, 1.0f);
+    job.stage(0.8f, 0.95f);
+    const FacetGrid grid{n, side, polygons, points_a_side, [&](const glm::ivec3& point) { return points.at(point) != 0; }};
+    parallel_for(job, n.z * n.y, [&](int row) {
+        for (int x = 0; x < n.x && !job.cancelled(); ++x) {
+            Cell& cell = fitted[static_cast<std::size_t>(row) * n.x + x];
+            if (cell.fit.found && cell.parts == 0) {
+                cell.reach = facet_reach(cell.fit, {x, row % n.y, row / n.y}, grid);
+            }
+        }
+    });
+
+    job.stage(0.95f, 1.0f);
     std::vector<std::uint8_t> full(count);
     for (std::size_t i = 0; i < count; ++i) {
         const glm::ivec3 place(i % n.x, i / n.x % n.y, i / n.x / n.y);
@@ -137,7 +151,7 @@ Facets bake_facets(const Sample& sample, int cells, Job& job)
         } else if (!cell.fit.found) {
             texels[i] = solid_texel();
         } else if (cell.parts == 0) {
-            texels[i] = plane_texel(cell.fit);
+            texels[i] = plane_texel(cell.fit, cell.reach);
         } else {
             texels[i] = split_texel(cell.parts, static_cast<std::uint32_t>(texels.size()));
             texels.insert(texels.end(), cell.part_texels.begin(), cell.part_texels.end());
@@ -146,7 +160,8 @@ Facets bake_facets(const Sample& sample, int cells, Job& job)
     const std::size_t layer = static_cast<std::size_t>(n.x) * n.y;
     texels.resize((texels.size() + layer - 1) / layer * layer, FacetTexel{});
     if (texels.size() / layer > most_layers) {
-        throw InvalidArgument("the facets need more than " + std::to_string(most_layers) + " layers of a texture; change their number of cells");
+        throw InvalidArgument("the facets need more than " + std::to_string(most_layers) +
+                              " layers of a texture; change their number of cells");
     }
     for (const FacetTexel& texel : texels) {
         facets.texels.insert(facets.texels.end(), texel.begin(), texel.end());

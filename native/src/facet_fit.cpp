@@ -22,7 +22,8 @@ struct Plane {
 // Polygons that are nearly in one plane become one: Lloyd's algorithm, from the polygons that fit worst.
 class Planes {
 public:
-    Planes(std::span<const FacetPolygon> polygons, double side) : polygons_(polygons), side_(side), nearest_(polygons.size(), 0)
+    Planes(std::span<const FacetPolygon> polygons, double side)
+        : polygons_(polygons), side_(side), nearest_(polygons.size(), 0)
     {
         const auto largest = std::max_element(polygons.begin(), polygons.end(),
                                               [](const FacetPolygon& a, const FacetPolygon& b) { return a.area < b.area; });
@@ -109,9 +110,8 @@ private:
 class Search {
 public:
     Search(std::span<const FacetPolygon> polygons, const FacetBox& box, std::span<const std::uint8_t> inside, int side)
-        : polygons_(polygons), box_(box), middle_(box.lower + 0.5 * box.side), side_(side), truth_(mask_of([&](int i, const glm::dvec3&) {
-              return inside[i] != 0;
-          }))
+        : polygons_(polygons), box_(box), middle_(box.lower + 0.5 * box.side), side_(side),
+          truth_(mask_of([&](int i, const glm::dvec3&) { return inside[i] != 0; }))
     {
         for (const FacetPolygon& polygon : polygons) {
             area_ += polygon.area;
@@ -124,7 +124,9 @@ public:
         planes_ = planes;
         masks_.clear();
         for (const Plane& plane : planes) {
-            masks_.push_back(mask_of([&](int, const glm::dvec3& point) { return glm::dot(plane.normal, point - plane.center) < 0.0; }));
+            masks_.push_back(mask_of([&](int, const glm::dvec3& point) {
+                return glm::dot(plane.normal, point - plane.center) < 0.0;
+            }));
         }
         const int count = static_cast<int>(planes.size());
         for (int a = 0; a < count; ++a) {
@@ -214,7 +216,8 @@ private:
         best_ = {true, form, {}, wrong, miss};
         for (int i = 0; i < 4; ++i) {
             const Plane& plane = planes_[four[i]];
-            best_.planes[i] = glm::dvec4(plane.normal, glm::dot(plane.normal, plane.center - middle_) / (0.5 * glm::length(box_.side)));
+            const double level = glm::dot(plane.normal, plane.center - middle_);
+            best_.planes[i] = glm::dvec4(plane.normal, level / (0.5 * glm::length(box_.side)));
         }
     }
 
@@ -246,6 +249,21 @@ private:
 };
 
 }  // namespace
+
+double distance_of(const FacetFit& fit, const glm::dvec3& from_middle, double radius)
+{
+    double least = 1e9;
+    for (const int group : facet_forms[fit.form]) {
+        double most = -1e9;
+        for (int i = 0; i < 4; ++i) {
+            if ((group >> i & 1) != 0) {
+                most = std::max(most, glm::dot(glm::dvec3(fit.planes[i]), from_middle) - fit.planes[i].w * radius);
+            }
+        }
+        least = std::min(least, most);
+    }
+    return least;
+}
 
 FacetFit fit_facets(std::span<const FacetPolygon> polygons, const FacetBox& box, std::span<const std::uint8_t> inside, int side)
 {

@@ -31,6 +31,9 @@ struct FacetFit {
     double miss = 0.0;   // mean distance of the surface from that of the planes, sides of the box along u
 };
 
+// Signed distance of a point from the planes' solid, as far as planes tell; `radius` is half the diagonal of the box.
+double distance_of(const FacetFit& fit, const glm::dvec3& from_middle, double radius);
+
 // `inside`: 1 where a point is in the solid, [side + 1, side + 1, side + 1] points from corner to corner of the box.
 FacetFit fit_facets(std::span<const FacetPolygon> polygons, const FacetBox& box, std::span<const std::uint8_t> inside, int side);
 

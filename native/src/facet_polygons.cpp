@@ -60,8 +60,13 @@ FacetPolygon clipped_to(const FacetPolygon& polygon, const FacetBox& box)
     for (int axis = 0; axis < 3; ++axis) {
         const double low = box.lower[axis] - margin * box.side[axis];
         const double high = box.lower[axis] + (1.0 + margin) * box.side[axis];
-        const auto beyond = [&](const auto& is_out) { return std::all_of(polygon.corners.begin(), polygon.corners.end(), is_out); };
-        if (beyond([&](const glm::dvec3& c) { return c[axis] < low; }) || beyond([&](const glm::dvec3& c) { return c[axis] > high; })) {
+        double least = high + 1.0;
+        double most = low - 1.0;
+        for (const glm::dvec3& corner : polygon.corners) {
+            least = std::min(least, corner[axis]);
+            most = std::max(most, corner[axis]);
+        }
+        if (least > high || most < low) {
             return {};
         }
     }
@@ -96,7 +101,9 @@ std::vector<std::vector<FacetPolygon>> facet_polygons(const Sample& sample, cons
             continue;
         }
         whole.normal = glm::normalize(across);
-        const auto cell_of = [&](const glm::dvec3& place, double slack) { return glm::ivec3(glm::floor(place / side + slack)); };
+        const auto cell_of = [&](const glm::dvec3& place, double slack) {
+            return glm::ivec3(glm::floor(place / side + slack));
+        };
         glm::ivec3 first = cell_of(glm::min(whole.corners[0], glm::min(whole.corners[1], whole.corners[2])), -margin);
         glm::ivec3 last = cell_of(glm::max(whole.corners[0], glm::max(whole.corners[1], whole.corners[2])), margin);
         first.z = std::max(first.z, 0);
@@ -114,7 +121,8 @@ std::vector<std::vector<FacetPolygon>> facet_polygons(const Sample& sample, cons
                         corner += shift;
                     }
                     part.center += shift;
-                    polygons[(static_cast<std::size_t>(cell.z) * cells.y + cell.y) * cells.x + cell.x].push_back(std::move(part));
+                    const std::size_t index = (static_cast<std::size_t>(cell.z) * cells.y + cell.y) * cells.x + cell.x;
+                    polygons[index].push_back(std::move(part));
                 }
             }
         }

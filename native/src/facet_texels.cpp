@@ -38,17 +38,22 @@ FacetTexel empty_texel(const EmptyBoxes& boxes)
     std::array<std::uint32_t, 4> payloads{};
     for (int octant = 0; octant < 8; ++octant) {
         const glm::u8vec3& box = boxes[octant];
-        payloads[octant / 3] |= (std::uint32_t(box.x) | std::uint32_t(box.y) << 3 | std::uint32_t(box.z) << 6) << 9 * (octant % 3);
+        const std::uint32_t codes = std::uint32_t(box.x) | std::uint32_t(box.y) << 3 | std::uint32_t(box.z) << 6;
+        payloads[octant / 3] |= codes << 9 * (octant % 3);
     }
     return texel_of(shader_facets::FACET_EMPTY, payloads);
 }
 
-FacetTexel plane_texel(const FacetFit& fit)
+FacetTexel plane_texel(const FacetFit& fit, const FacetReach& reach)
 {
     std::array<std::uint32_t, 4> payloads{};
     for (int i = 0; i < 4; ++i) {
         const glm::vec2 place = shader_facets::octahedral_place(glm::vec3(fit.planes[i]));
-        payloads[i] = steps(place.x, 1023) | steps(place.y, 1023) << 10 | steps(fit.planes[i].w, 511) << 20;
+        payloads[i] = steps(place.x, 1023) | steps(place.y, 511) << 10 | steps(fit.planes[i].w, 255) << 19;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        payloads[axis] |= static_cast<std::uint32_t>(reach.back[axis]) << 27;
+        payloads[axis] |= static_cast<std::uint32_t>(reach.forward[axis]) << 28;
     }
     return texel_of(shader_facets::FACET_ALL + fit.form, payloads);
 }

@@ -8,6 +8,7 @@
 
 #include "facet_boxes.h"
 #include "facet_fit.h"
+#include "facet_reach.h"
 #include "mesoshell/facets.h"
 
 namespace mesoshell {
@@ -15,7 +16,7 @@ namespace mesoshell {
 using FacetTexel = std::array<float, 4>;
 
 FacetTexel empty_texel(const EmptyBoxes& boxes);
-FacetTexel plane_texel(const FacetFit& fit);
+FacetTexel plane_texel(const FacetFit& fit, const FacetReach& reach = {});
 FacetTexel solid_texel();
 // `parts`: bit (z 4 + y) 4 + x where a part has a texel; `first`: index of the first of these, below 2^26.
 FacetTexel split_texel(std::uint64_t parts, std::uint32_t first);

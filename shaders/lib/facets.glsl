@@ -3,8 +3,9 @@
 // A texel is four floats; their signs are the bits of its kind, the lower 29 bits of each hold the rest:
 // - empty: for each octant of directions how many more cells in the three directions are empty too, three codes of 3 bits;
 //   three octants a word;
-// - planes: one a word, the place of its normal on the octahedral map, 10 bits each, and 9 bits of the distance from the
-//   middle of the cell over half its diagonal, in [-1, 1];
+// - planes: one a word, the place of its normal on the octahedral map, 10 and 9 bits, and 8 bits of the distance from the
+//   middle of the cell over half its diagonal, in [-1, 1]; in the upper two bits of the first three words, an axis each, 1
+//   where the planes hold in one more cell toward smaller coordinates, and toward larger ones;
 // - solid: nothing;
 // - split: 4 x 4 x 4 parts; a word a layer of 16 bits, 1 where a part has a texel of its own (it is empty otherwise), and the
 //   number of the first of these texels in the upper 13 bits of the first two words.
@@ -53,6 +54,15 @@ vec3 empty_reach(vec4 texel, vec3 way)
     return vec3(box_reach(bits & 7), box_reach((bits >> 3) & 7), box_reach((bits >> 6) & 7));
 }
 
+// In how many more cells the planes of a texel hold along u, v and w, each in the direction that a ray goes.
+vec3 plane_reach(vec4 texel, vec3 way)
+{
+    int along_u = facet_bits(texel.x) >> (way.x > 0.0f ? 28 : 27);
+    int along_v = facet_bits(texel.y) >> (way.y > 0.0f ? 28 : 27);
+    int along_w = facet_bits(texel.z) >> (way.z > 0.0f ? 28 : 27);
+    return vec3(float(along_u & 1), float(along_v & 1), float(along_w & 1));
+}
+
 // Two ranges of a segment, and what they have in common.
 vec2 common_range(vec2 a, vec2 b)
 {
@@ -68,9 +78,9 @@ float nearer_start(float nearest, vec2 range)
 vec4 facet_plane(float word, float radius)
 {
     int bits = facet_bits(word);
-    vec2 place = vec2(float(bits & 1023), float((bits >> 10) & 1023)) * (2.0f / 1023.0f) - vec2(1.0f);
+    vec2 place = vec2(float(bits & 1023) * (2.0f / 1023.0f), float((bits >> 10) & 511) * (2.0f / 511.0f)) - vec2(1.0f);
     vec3 normal = octahedral_direction(place);
-    return vec4(normal.x, normal.y, normal.z, (float((bits >> 20) & 511) * (2.0f / 511.0f) - 1.0f) * radius);
+    return vec4(normal.x, normal.y, normal.z, (float((bits >> 19) & 255) * (2.0f / 255.0f) - 1.0f) * radius);
 }
 
 // Where start + along * way is behind the plane of a word: the part of a range of `along`. `start` and `way` are metric, from

@@ -97,7 +97,8 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
                 result.normal = segment.normal;
                 if (!path.level && segment.normal != vec3(0.0f)) {
                     // The traversal knows the plane that the chord meets; the curve meets it nearby.
-                    result.q = curve_in_plane(prism, path, q_in, q_out, segment.along, result.pos_texture, segment.normal * tile.scale);
+                    result.q = curve_in_plane(prism, path, q_in, q_out, segment.along, result.pos_texture,
+                                              segment.normal * tile.scale);
                     result.pos_texture = prism_texture(prism, result.q);
                 }
                 // The chord in texture space is not quite the ray; the hit is its foot on the ray, so that depth stays on the

@@ -126,7 +126,13 @@ SegmentHit traverse_refined(Tile tile, vec3 entry_texture, vec3 exit_texture)
         vec4 texel = fetch_facets(clamp(cell - copy, vec3(0.0f), cells - vec3(1.0f)));
         result.fetches += 1;
         int kind = facet_kind(texel);
-        vec3 border = far_border(cell, way, kind == FACET_EMPTY ? empty_reach(texel, way) : vec3(0.0f));
+        vec3 reach = vec3(0.0f);
+        if (kind == FACET_EMPTY) {
+            reach = empty_reach(texel, way);
+        } else if (kind < FACET_SOLID) {
+            reach = plane_reach(texel, way);
+        }
+        vec3 border = far_border(cell, way, reach);
         vec3 crossing = border_crossings(start, way, border);
         float leave = max(least(crossing), result.along);
         vec2 range = vec2(result.along, min(leave, 1.0f));

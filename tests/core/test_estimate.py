@@ -44,10 +44,10 @@ def test_corrections_multiply(native):
 def test_sentences_have_units(native):
     assert of_preset(1).sentence().count("MB") == 2
     assert "GB" in of_preset(2, memory=4e9).sentence()
-    huge = estimate.estimate((1024, 1024, 32), (128, 256), (64, 64, 33), (32, 32, 16), (64, 64, 33), memory=64e9)
+    huge = estimate.estimate((1024, 1024, 32), (128, 256), (64, 64, 33), 64, (64, 64, 33), memory=64e9)
     assert huge.sentence().split()[2] in ("min,", "h,")
 
 
 def test_wrong_numbers_are_refused(native):
     with pytest.raises(ValueError, match="GDM resolution"):
-        estimate.estimate((1, 64, 32), (16, 32), (64, 64, 33), (32, 32, 16), (64, 64, 33))
+        estimate.estimate((1, 64, 32), (16, 32), (64, 64, 33), 64, (64, 64, 33))

@@ -11,6 +11,7 @@
 #include "camera.h"
 #include "facet_boxes.h"
 #include "facet_fit.h"
+#include "facet_reach.h"
 #include "mesoshell/facets.h"
 #include "meshes.h"
 #include "render_with.h"
@@ -94,11 +95,11 @@ TEST(Facets, RefinedIsExactOnAPlane)
         const Agreement refined = compare(render_with(shell, tile_map(), camera.view(), refined_traversal), truth, 1.0);
         const Agreement sdf = compare(render_with(shell, tile_map(), camera.view(), sdf_traversal), truth, 1.0);
         ASSERT_GT(refined.both, 2000);
-        EXPECT_GE(refined.both, 0.999 * refined.either) << elevation;
+        EXPECT_GE(refined.both, 0.998 * refined.either) << elevation;
         EXPECT_LE(refined.error, 0.03 * voxel) << elevation;
-        EXPECT_LE(refined.far, 1e-3) << elevation;
+        EXPECT_LE(refined.far, 2e-3) << elevation;
         EXPECT_LT(refined.error, 0.5 * sdf.error) << elevation;
-        EXPECT_LT(refined.fetches, 0.65 * sdf.fetches) << elevation;
+        EXPECT_LT(refined.fetches, 0.6 * sdf.fetches) << elevation;
     }
 }
 
@@ -223,6 +224,42 @@ TEST(Facets, CornersAreFittedExactly)
         EXPECT_EQ(fit.wrong, 0);
         EXPECT_NEAR(fit.miss, 0.0, 1e-12);
     }
+}
+
+// The plane of a floor holds in the cells beside and above, and beyond the slab, but not in one that a step touches.
+TEST(Facets, PlanesReachAsFarAsTheyHold)
+{
+    const glm::ivec3 cells(6, 3, 2);
+    const glm::dvec3 side(1.0 / 6.0, 1.0 / 3.0, 0.25);
+    // The floor is 0.1 high, 0.2 in the last column.
+    const auto height_at = [](int column) { return column < 5 ? 0.1 : 0.2; };
+    std::vector<std::vector<FacetPolygon>> polygons(36);
+    for (int y = 0; y < 3; ++y) {
+        for (int x = 0; x < 6; ++x) {
+            FacetPolygon polygon;
+            polygon.normal = {0.0, 0.0, 1.0};
+            for (const glm::ivec2 corner : {glm::ivec2(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
+                polygon.corners.push_back(glm::dvec3(glm::dvec2(x + corner.x, y + corner.y) * glm::dvec2(side), height_at(x)));
+            }
+            polygon.area = side.x * side.y;
+            polygon.center = 0.5 * (polygon.corners[0] + polygon.corners[2]);
+            polygons[y * 6 + x].push_back(polygon);
+        }
+    }
+    const FacetGrid grid{cells, side, polygons, 8, [&](const glm::ivec3& point) {
+        return point.z * side.z / 8 < height_at(point.x / 8 % 6);
+    }};
+    std::vector<std::uint8_t> inside;
+    for (int i = 0; i < 729; ++i) {
+        inside.push_back(i / 81 * side.z / 8 < 0.1 ? 1 : 0);
+    }
+    const FacetFit fit = fit_facets(polygons[2], {{2.0 * side.x, 0.0, 0.0}, side}, inside, 8);
+    const FacetReach flat = facet_reach(fit, {2, 0, 0}, grid);
+    EXPECT_EQ(flat.back, glm::ivec3(1, 1, 1));
+    EXPECT_EQ(flat.forward, glm::ivec3(1, 1, 1));
+    const FacetReach at_step = facet_reach(fit, {3, 0, 0}, grid);
+    EXPECT_EQ(at_step.back, glm::ivec3(1, 1, 1));
+    EXPECT_EQ(at_step.forward, glm::ivec3(0, 1, 1));
 }
 
 TEST(Facets, NumbersOutOfRange)

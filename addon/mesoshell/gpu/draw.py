@@ -7,7 +7,7 @@ from mathutils import Matrix
 from ..core import native, shader_source
 from . import program, resources
 
-TRAVERSALS = {"gdm": 0, "sdf": 1, "refined": 2, "march": 3, "slices": 4}  # shaders/lib/traverse.glsl
+TRAVERSALS = {"gdm": 0, "sdf": 1, "march": 3, "slices": 4, "refined": 2}  # shaders/lib/traverse.glsl
 FINS = {"exact": 0, "paper": 1}  # shaders/lib/shell_hit.glsl
 OUTPUTS = {"color": 0, "texture": 1, "normal": 2}  # shaders/lib/pixel.glsl
 

@@ -29,8 +29,8 @@ struct Facets {
 };
 
 // `cells`: along u, 4 to 128; along v and w so many, at most 128, that cells are nearly cubes. A cell is split into 4 x 4 x 4
-// parts where four planes put more than 6 of 729 points on the wrong side, or miss the surface by more than 3 % of a 64th of
-// a tile width in the mean. Throws InvalidArgument for a number out of range or one that needs more memory than there is, or
+// parts where four planes put more than 6 of 729 points on the wrong side, or miss the surface by more than 3 % of a 64th
+// of a tile width in the mean. Throws InvalidArgument for a number out of range or one that needs more memory than there is, or
 // more texels than a texture has; Cancelled.
 Facets bake_facets(const Sample& sample, int cells, Job& job);
 
