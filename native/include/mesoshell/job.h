@@ -1,6 +1,7 @@
 // How a long call is watched and stopped from another thread.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 
 #include "mesoshell/error.h"
@@ -17,13 +18,15 @@ public:
     int threads() const { return threads_; }
 
     // Share done, 0 to 1. A call of several stages gives each its own part with `stage`.
-    float fraction() const { return fraction_.load(std::memory_order_relaxed); }
+    float fraction() const { return std::min(fraction_.load(std::memory_order_relaxed), 1.0f); }
 
     // The next stage covers the fractions [begin, end]. Called by the thread that works, between its parallel loops.
     void stage(float begin, float end)
     {
         length_ = end - begin;
-        fraction_ = begin;
+        // The shares of a long loop sum to more than its part by roundings, and what is watched never goes back.
+        const float seen = fraction_.load(std::memory_order_relaxed);
+        fraction_ = seen > begin && seen < begin + rounding ? seen : begin;
     }
 
     // `share` of the stage is done.
@@ -44,6 +47,8 @@ public:
     }
 
 private:
+    static constexpr float rounding = 1e-3f;
+
     int threads_;
     // One number, so that whoever watches never sees a new stage's beginning with the old one's share.
     std::atomic<float> fraction_{0.0f};
