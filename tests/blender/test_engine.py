@@ -146,7 +146,7 @@ def test_an_orthographic_picture_in_closed_form(stage):
     cube = (abs(x) < 0.5) & (abs(y) < 0.5)
     shadow = (x > -1.5) & (x <= -0.5) & (abs(y) < 0.5)
     np.testing.assert_array_equal(picture[stage.index], np.where(cube, 7, 1))
-    np.testing.assert_allclose(picture["Depth"], np.where(cube, 9.0, 10.0), atol=0.11)
+    np.testing.assert_allclose(picture["Depth"], np.where(cube, 9.0, 10.0), atol=1e-5)
     np.testing.assert_allclose(picture["Normal"], np.broadcast_to([0.0, 0.0, 1.0], (*cube.shape, 3)), atol=1e-6)
     light = np.array(SKY) + np.where(shadow, 0.0, SUN / np.pi * np.sqrt(0.5))[..., None]
     albedo = np.where(cube[..., None], (0.5, 0.25, 0.125), 0.8)

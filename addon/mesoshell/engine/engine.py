@@ -40,10 +40,10 @@ class MesoshellRenderEngine(bpy.types.RenderEngine):
         for notice in self.frame.notices:
             self.report({'WARNING'}, notice)
         self.update_stats("", f"Rendering {self.frame.sentence()}")
-        layer = depsgraph.view_layer.name
+        layer, depth_start = depsgraph.view_layer.name, self.frame.depth_start
 
         def show(x, y, width, height, color):
-            self._fill((x, y), (width, height), layer, {"color": color})
+            self._fill((x, y), (width, height), layer, {"color": color}, depth_start)
 
         size = self.frame.arguments["size"]
         try:
@@ -55,12 +55,12 @@ class MesoshellRenderEngine(bpy.types.RenderEngine):
             return
         finally:
             self.frame = None  # the arrays of a large scene; the engine may live as long as the picture is shown
-        self._fill((0, 0), size, layer, picture)
+        self._fill((0, 0), size, layer, picture, depth_start)
 
-    def _fill(self, first, size, layer, picture):
+    def _fill(self, first, size, layer, picture, depth_start):
         """Puts a part of the picture, from the pixel `first` on, into Blender's, which is that of the render border."""
         result = self.begin_result(*first, *size, layer=layer)
-        passes.fill(result.layers[0].passes, picture)
+        passes.fill(result.layers[0].passes, picture, depth_start)
         self.end_result(result)
 
     def _progress(self, fraction):

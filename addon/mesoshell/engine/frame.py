@@ -12,6 +12,7 @@ _WIDEST_FILTER = 16.0  # pixels, that the native module takes
 
 class Frame(NamedTuple):
     arguments: dict  # of the native render_scene
+    depth_start: float  # what its depths are less than Blender's, which count from the camera
     notices: list  # sentences of what is not in the picture
 
     def sentence(self):
@@ -39,7 +40,7 @@ def read(depsgraph, size):
         "filter_width": min(render.filter_size, _WIDEST_FILTER),
         "transparent": render.film_transparent,
         "threads": render.threads if render.threads_mode == 'FIXED' else 0,
-    }, notices)
+    }, view.depth_start, notices)
 
 
 def _shells(depsgraph, notices):

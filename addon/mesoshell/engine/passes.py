@@ -24,8 +24,14 @@ def register(engine, scene, view_layer):
             engine.register_pass(scene, view_layer, name, len(channels), channels, kind)
 
 
-def fill(passes, picture):
-    """Fills the passes of a render layer with arrays of the native render_scene; those that `picture` lacks become 0."""
+_NOTHING = 1e10  # the depth where nothing is, Blender's and ours
+
+
+def fill(passes, picture, depth_start):
+    """Fills the passes of a render layer with arrays of the native render_scene; those that `picture` lacks become 0.
+
+    `depth_start` is added to depths.
+    """
     arrays = {name: array for name, _switch, _channels, _kind, array in _PASSES}
     pixels = np.asarray(picture["color"]).size // 4
     parts = []
@@ -34,5 +40,7 @@ def fill(passes, picture):
         array = np.zeros(pixels * render_pass.channels, np.float32) if array is None else np.asarray(array, np.float32)
         if render_pass.name == versions.OBJECT_INDEX_PASS:
             array = np.maximum(array, 0.0)  # Blender's index of nothing
+        if render_pass.name == "Depth" and depth_start:
+            array = np.where(array < _NOTHING, array + np.float32(depth_start), array)
         parts.append(array.ravel())
     passes.foreach_set("rect", np.concatenate(parts))

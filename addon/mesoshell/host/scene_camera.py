@@ -8,6 +8,7 @@ import numpy as np
 class View(NamedTuple):
     clip_from_world: np.ndarray  # float64 [4, 4], OpenGL clip space of the part
     size: tuple  # width and height of the part, in pixels
+    depth_start: float  # where depth begins in front of the camera: at the near plane of an orthographic view
 
 
 def read(depsgraph, size):
@@ -27,10 +28,11 @@ def read(depsgraph, size):
                                                scale_y=render.pixel_aspect_y)
     view_from_world = np.linalg.inv(np.array(camera.matrix_world.normalized(), np.float64))
     clip_from_world = np.array(clip_from_view, np.float64) @ view_from_world
+    depth_start = camera.data.clip_start if camera.data.type == 'ORTHO' else 0.0
     if not render.use_border:
-        return View(clip_from_world, tuple(size))
+        return View(clip_from_world, tuple(size), depth_start)
     low, high = border(render, size)
-    return View(_part(low, high, size) @ clip_from_world, (high[0] - low[0], high[1] - low[1]))
+    return View(_part(low, high, size) @ clip_from_world, (high[0] - low[0], high[1] - low[1]), depth_start)
 
 
 def border(render, size):
