@@ -50,7 +50,8 @@ ShellParams complete_params(const ShellParams& settings, const Map& map, const g
     check_sdf(map);
     check_traversal(settings.mode.x);
     if (settings.mode.z != shader::FINS_EXACT && settings.mode.z != shader::FINS_PAPER) {
-        throw InvalidArgument("fins " + std::to_string(settings.mode.z) + " do not exist; choose 0 for exact or 1 for the paper's two planes each");
+        throw InvalidArgument("fins " + std::to_string(settings.mode.z) + " do not exist; choose 0 for exact or 1 for the paper's two planes "
+                              "each");
     }
     ShellParams params = settings;
     params.eye_object = glm::vec4(eye_of(clip_from_object));

@@ -1,8 +1,8 @@
 // A map as a multi-part OpenEXR file.
 //
-// Each array is one part, "gdm.weights", "gdm.eigenmaps" and, where there are such, "sdf", "facets"
-// (channels R, G, B, A: 128 bits as four 32-bit floats, whatever the precision) and the attributes "color" (channels R, G, B), "surface" (R roughness, M metallic) and "normal" (X, Y, Z): a flat picture,
-// channel Y where no others are named, half or float, ZIP. The last two dimensions of the array are a slice's rows and
+// Each array is one part, "gdm.weights", "gdm.eigenmaps" and, where there are such, "sdf", "facets" (channels R, G, B, A: 128
+// bits as four 32-bit floats, whatever the precision) and the attributes "color" (channels R, G, B), "surface" (R roughness, M
+// metallic) and "normal" (X, Y, Z): a flat picture, channel Y where no others are named, half or float, ZIP. The last two dimensions of the array are a slice's rows and
 // columns; slices stand side by side along the dimension before them and below one another along the one before that. Header
 // attributes: `mesoshell:shape` (the array's dimensions), `mesoshell:version` (3; files of versions 1 and 2 are read),
 // `mesoshell:checksum` (FNV-1a, 64 bits, of height, aspect, rmse, maxError and the values in the array's order, all as
