@@ -1,8 +1,8 @@
 """Runs benches: tests/bench/NAME.py writes build/bench/NAME.json; without a name, all of them.
 
-A bench gets the path of its file as `--out PATH`, after `--`. One whose first line holds `# runs in Blender` runs inside
-`blender --background`, the others in Debian's Python. The file is JSON with a list `goals` of
-{"name", "value", "goal", "holds"}; a goal that does not hold makes the run fail.
+A bench gets the path of its file as `--out PATH`, after `--`, and then all from the first argument on that begins with `-`.
+One whose first line holds `# runs in Blender` runs inside `blender --background`, the others in Debian's Python. The file is
+JSON with a list `goals` of {"name", "value", "goal", "holds"}; a goal that does not hold makes the run fail.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ BENCHES = REPO / "tests" / "bench"
 OUT = BUILD / "bench"
 
 
-def run(name: str) -> bool:
+def run(name: str, options: list[str]) -> bool:
     """Runs one bench and prints its goals; True if they all hold."""
     script = BENCHES / f"{name}.py"
     if not script.is_file():
@@ -33,7 +33,7 @@ def run(name: str) -> bool:
     inside = "# runs in Blender" in script.read_text().split("\n", 1)[0]
     start = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", script] if inside \
         else [PYTHON, script]
-    status = subprocess.run([*map(str, start), "--", "--out", str(path)], env=env, cwd=REPO).returncode
+    status = subprocess.run([*map(str, start), "--", "--out", str(path), *options], env=env, cwd=REPO).returncode
     if status or not path.is_file():
         raise Problem(f"the bench {name} ended with status {status}"
                       + ("" if path.is_file() else f" and wrote no {path.relative_to(REPO)}") + "; see above")
@@ -47,10 +47,12 @@ def run(name: str) -> bool:
 
 
 def main() -> int:
-    names = sys.argv[1:] or sorted(p.stem for p in BENCHES.glob("*.py"))
+    given = sys.argv[1:]
+    first = next((i for i, word in enumerate(given) if word.startswith("-")), len(given))
+    names, options = given[:first] or sorted(p.stem for p in BENCHES.glob("*.py")), given[first:]
     if not names:
         raise Problem("tests/bench has no bench yet")
-    return 0 if all([run(name) for name in names]) else 1
+    return 0 if all([run(name, options) for name in names]) else 1
 
 
 if __name__ == "__main__":

@@ -49,26 +49,27 @@ PyObject* py_bake_facets(PyObject* module, PyObject* args, PyObject* kwargs)
 {
     ModuleState& state = state_of_module(module);
     return guarded(state, [&]() -> PyObject* {
-        static const char* names[] = {"sample", "cells", "threads", "progress", nullptr};
+        static const char* names[] = {"sample", "cells", "boxes", "threads", "progress", nullptr};
         PyObject* sample = nullptr;
         PyObject* progress = nullptr;
         int cells = 64;
+        int boxes = 1;
         int threads = 0;
-        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$iiO:bake_facets", const_cast<char**>(names), state.sample_type,
-                                         &sample, &cells, &threads, &progress)) {
+        if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!|$ipiO:bake_facets", const_cast<char**>(names), state.sample_type,
+                                         &sample, &cells, &boxes, &threads, &progress)) {
             return nullptr;
         }
         const auto held = unbox<Sample>(sample);
         Job job(threads);
-        return box(state.facets_type, run(job, progress, [&] { return bake_facets(*held, cells, job); }));
+        return box(state.facets_type, run(job, progress, [&] { return bake_facets(*held, cells, job, boxes != 0); }));
     });
 }
 
 PyMethodDef functions[] = {
     {"bake_facets", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(py_bake_facets)), METH_VARARGS | METH_KEYWORDS,
-     "bake_facets(sample, *, cells=64, threads=0, progress=None)\n--\n\n"
+     "bake_facets(sample, *, cells=64, boxes=True, threads=0, progress=None)\n--\n\n"
      "The facets of a sample, which the traversal 'refined' reads; cells along u, and along v and w so many that they are "
-     "nearly cubes."},
+     "nearly cubes. Without boxes an empty cell knows only of itself, and rays go from cell to cell."},
     {nullptr, nullptr, 0, nullptr},
 };
 

@@ -89,7 +89,7 @@ glm::ivec3 facet_cells(int cells, float height, float aspect)
     return glm::ivec3(cells, cells_along(aspect, 1.0 / cells), cells_along(height, 1.0 / cells));
 }
 
-Facets bake_facets(const Sample& sample, int cells, Job& job)
+Facets bake_facets(const Sample& sample, int cells, Job& job, bool boxes)
 {
     if (cells < 4 || cells > 128) {
         throw InvalidArgument("the facets have " + std::to_string(cells) + " cells along u; give 4 to 128");
@@ -142,12 +142,12 @@ Facets bake_facets(const Sample& sample, int cells, Job& job)
         const glm::ivec3 place(i % n.x, i / n.x % n.y, i / n.x / n.y);
         full[i] = fitted[i].fit.found || points.at(place * points_a_side + points_a_side / 2) != 0 ? 1 : 0;
     }
-    const std::vector<EmptyBoxes> boxes = empty_boxes(full, n, job);
+    const std::vector<EmptyBoxes> reaches = boxes ? empty_boxes(full, n, job) : std::vector<EmptyBoxes>(count);
     std::vector<FacetTexel> texels(count);
     for (std::size_t i = 0; i < count; ++i) {
         const Cell& cell = fitted[i];
         if (full[i] == 0) {
-            texels[i] = empty_texel(boxes[i]);
+            texels[i] = empty_texel(reaches[i]);
         } else if (!cell.fit.found) {
             texels[i] = solid_texel();
         } else if (cell.parts == 0) {

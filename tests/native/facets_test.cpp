@@ -262,6 +262,35 @@ TEST(Facets, PlanesReachAsFarAsTheyHold)
     EXPECT_EQ(at_step.forward, glm::ivec3(0, 1, 1));
 }
 
+// Boxes lead over cells in which nothing is met: without them rays meet the same, a cell a fetch.
+TEST(Facets, BoxesOnlySaveFetches)
+{
+    Job job;
+    Map without = tile_map();
+    const Facets facets = bake_facets(tile(), tile_map().facets.cells.x, job, false);
+    ASSERT_EQ(facets.texels.size(), tile_map().facets.texels.size());
+    attach(without, &facets, nullptr);
+    const Shell shell = flat_grid(3, 3, 6.0f, 6.0f).shell(0.55f);
+    for (const double height : {7.0, 2.0}) {
+        const View view = Camera(false, {8.0, -2.0, height}, {3.1, 2.9, 0.2}, 1.0, {96, 96}).view();
+        const Rendering truth = render_with(shell, tile_map(), view, refined_traversal);
+        const Rendering picture = render_with(shell, without, view, refined_traversal);
+        const Agreement with_boxes = compare(truth, truth, 1.0);
+        const Agreement cell_by_cell = compare(picture, truth, 1.0);
+        ASSERT_GT(cell_by_cell.both, 2000);
+        // Rays through an edge of cells may take another of them, as places are rounded.
+        EXPECT_GE(cell_by_cell.both, cell_by_cell.either - 2) << height;
+        EXPECT_LE(cell_by_cell.error, 1e-5) << height;
+        EXPECT_LE(cell_by_cell.far, 1e-3) << height;
+        EXPECT_GT(cell_by_cell.fetches, 1.5 * with_boxes.fetches) << height;
+        int fewer = 0;
+        for (std::size_t i = 0; i < picture.fetches.size(); ++i) {
+            fewer += picture.fetches[i] < truth.fetches[i] ? 1 : 0;
+        }
+        EXPECT_LE(fewer, 2) << height;
+    }
+}
+
 TEST(Facets, NumbersOutOfRange)
 {
     const Sample sample = slab(0.01f, 0.05f).sample(0.5f);

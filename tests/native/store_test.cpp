@@ -4,12 +4,26 @@
 #include <csignal>
 #include <filesystem>
 #include <limits>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+#include <Imath/ImathBox.h>
+#include <Imath/half.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStringAttribute.h>
 
 #include "files.h"
 #include "mesoshell/error.h"
@@ -171,6 +185,63 @@ TEST(Store, FileOfVersionOne)
     EXPECT_EQ(found, 3);
     write_bytes(folder.file("tile.exr"), bytes);
     expect_same_map(load_map(folder.file("tile.exr")), map);
+}
+
+// Adds a part to a file, and makes all its parts such of version 2.
+void add_leaps(const std::string& path, const std::string& to)
+{
+    Imf::MultiPartInputFile file(path.c_str());
+    std::vector<Imf::Header> headers;
+    for (int part = 0; part < file.parts(); ++part) {
+        headers.push_back(file.header(part));
+    }
+    // [16, 3, 3, 4]: 4 x 4 directions of 4 x 3 x 3 cells, a picture of 12 x 48.
+    Imf::Header leaps(headers[0].displayWindow(), Imath::Box2i({0, 0}, {11, 47}));
+    leaps.setName("leaps");
+    leaps.setType(Imf::SCANLINEIMAGE);
+    leaps.compression() = Imf::ZIP_COMPRESSION;
+    leaps.channels().insert("Y", Imf::Channel(Imf::HALF));
+    leaps.insert("mesoshell:shape", Imf::StringAttribute("16 3 3 4"));
+    leaps.insert("mesoshell:checksum", Imf::StringAttribute("0123456789abcdef"));
+    leaps.insert("mesoshell:units", Imf::StringAttribute("tile widths"));
+    headers.insert(headers.begin() + 3, leaps);
+    for (Imf::Header& header : headers) {
+        header.insert("mesoshell:version", Imf::IntAttribute(2));
+    }
+    Imf::MultiPartOutputFile copy(to.c_str(), headers.data(), static_cast<int>(headers.size()));
+    for (int part = 0; part < copy.parts(); ++part) {
+        Imf::OutputPart output(copy, part);
+        if (part != 3) {
+            Imf::InputPart input(file, part < 3 ? part : part - 1);
+            output.copyPixels(input);
+            continue;
+        }
+        const std::vector<half> values(12 * 48, half(0.25f));
+        char* const base = const_cast<char*>(reinterpret_cast<const char*>(values.data()));
+        Imf::FrameBuffer buffer;
+        buffer.insert("Y", Imf::Slice(Imf::HALF, base, sizeof(half), 12 * sizeof(half)));
+        output.setFrameBuffer(buffer);
+        output.writePixels(48);
+    }
+}
+
+TEST(Store, FileOfVersionTwoWithLeaps)
+{
+    // Such a file has a table of leaps, which nothing uses, between the distance field and the attributes, and no facets.
+    const TemporaryFolder folder;
+    for (const Precision precision : {Precision::half, Precision::single}) {
+        Map map = map_with_all_parts(precision);
+        map.facets = {};
+        save_map(map, folder.file("plain.exr"));
+        add_leaps(folder.file("plain.exr"), folder.file("leaps.exr"));
+        const std::string bytes = read_bytes(folder.file("leaps.exr"));
+        ASSERT_NE(bytes.find("leaps"), std::string::npos);
+        const Map loaded = load_map(folder.file("leaps.exr"));
+        expect_same_map(loaded, map);
+        // Saved again it is a file of this version.
+        save_map(loaded, folder.file("again.exr"));
+        EXPECT_EQ(read_bytes(folder.file("again.exr")), read_bytes(folder.file("plain.exr")));
+    }
 }
 
 TEST(Store, SavingTwiceGivesTheSameBytes)

@@ -50,3 +50,15 @@ def test_refined_is_exact(name):
         assert error.mean() <= 0.03 * VOXEL
         assert (error <= VOXEL).mean() >= 0.998
         assert refined["fetches"].mean() <= 0.65 * sdf["fetches"].mean()
+
+
+def test_without_boxes_only_empty_cells_differ():
+    tile = tiles.make("chain", 0.5)
+    sample = native.Sample(tile.positions, tile.triangles, height=tile.height, aspect=tile.aspect)
+    boxes, alone = (native.bake_facets(sample, cells=16, boxes=given).texels for given in (True, False))
+    empty = ~np.signbit(boxes).any(axis=-1)  # the kind of a texel is in its signs
+    assert 500 < empty.sum() < empty.size
+    assert np.array_equal(alone[~empty], boxes[~empty])
+    reach = np.uint32(0x1fffffff)  # the bits of how far a box reaches
+    assert not (alone[empty].view(np.uint32) & reach).any()
+    assert (boxes[empty].view(np.uint32) & reach).any(axis=-1).mean() > 0.5

@@ -30,9 +30,10 @@ struct Facets {
 
 // `cells`: along u, 4 to 128; along v and w so many, at most 128, that cells are nearly cubes. A cell is split into 4 x 4 x 4
 // parts where four planes put more than 6 of 729 points on the wrong side, or miss the surface by more than 3 % of a 64th
-// of a tile width in the mean. Throws InvalidArgument for a number out of range or one that needs more memory than there is, or
-// more texels than a texture has; Cancelled.
-Facets bake_facets(const Sample& sample, int cells, Job& job);
+// of a tile width in the mean. Without `boxes` an empty cell knows only of itself: rays meet the same, but fetch cell by cell.
+// Throws InvalidArgument for a number out of range or one that needs more memory than there is, or more texels than a texture
+// has; Cancelled.
+Facets bake_facets(const Sample& sample, int cells, Job& job, bool boxes = true);
 
 // The cells of a tile.
 glm::ivec3 facet_cells(int cells, float height, float aspect);
