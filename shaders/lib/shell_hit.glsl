@@ -55,6 +55,7 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
         path = make_prism_path(prism, origin, dir);
     }
     float t_after = -3.0e38f;
+    KeptFacets kept = nothing_kept();
     for (int i = 0; i < MOST_SPANS; ++i) {
         PrismSpan span;
         if (planes) {
@@ -87,8 +88,9 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
         for (int piece = 1; piece <= pieces && !result.hit; ++piece) {
             vec3 q_out = piece == pieces ? span.q_out : curve_place(path, span, float(piece) / float(pieces));
             vec3 exit_texture = prism_texture(prism, q_out);
-            SegmentHit segment = traverse(traversal, tile, tolerance, entry_texture, exit_texture);
+            SegmentHit segment = traverse(traversal, tile, tolerance, entry_texture, exit_texture, kept);
             result.fetches += segment.fetches;
+            kept = segment.kept;
             if (segment.hit) {
                 result.hit = true;
                 result.at_entry = piece == 1 && segment.along == 0.0f;
