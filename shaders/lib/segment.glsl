@@ -22,6 +22,7 @@ struct SegmentHit {
     float along;  // 0 where the segment enters, 1 where it leaves
     int fetches;  // texture instructions
     vec3 normal;  // metric, out of the solid; zero where the traversal does not know it
+    vec3 aside;   // texture space: how far beside the segment the hit lies, on the ray's curve
     KeptFacets kept;
 };
 
@@ -43,6 +44,7 @@ SegmentHit nothing_hit()
     result.along = 0.0f;
     result.fetches = 0;
     result.normal = vec3(0.0f);
+    result.aside = vec3(0.0f);
     result.kept = nothing_kept();
     return result;
 }

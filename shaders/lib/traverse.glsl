@@ -60,15 +60,17 @@ SegmentHit traverse_sdf(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3
     return result;
 }
 
-// `kept` is what a segment that ends at the entry has kept.
-SegmentHit traverse(int traversal, Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture, KeptFacets kept)
+// Where the segment is at `along`, the ray is along * (1 - along) * bend beside it; `kept` is of a segment that ends at the
+// entry. Only `refined` asks for either.
+SegmentHit traverse(int traversal, Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture, vec3 bend,
+                    KeptFacets kept)
 {
     if (traversal == TRAVERSAL_GDM) {
         return traverse_gdm(tile, tolerance, entry_texture, exit_texture);
     }
     // A map without facets has sphere tracing to fall back on.
     if (traversal == TRAVERSAL_REFINED && tile.facet_cells.x > 0.0f) {
-        return traverse_refined(tile, entry_texture, exit_texture, kept);
+        return traverse_refined(tile, entry_texture, exit_texture, bend, kept);
     }
     if (traversal == TRAVERSAL_MARCH) {
         return traverse_march(tile, entry_texture, exit_texture);

@@ -122,8 +122,9 @@ SegmentHit traverse_parts(Tile tile, KeptFacets kept, vec3 cell, vec3 start, vec
 // A segment that meets more cells ends there: one through a degenerate prism may have any length.
 const int MOST_CELLS = 1024;
 
-// `kept` may be of any segment; it spares a fetch where this one begins in a cell of which it says enough.
-SegmentHit traverse_refined(Tile tile, vec3 entry_texture, vec3 exit_texture, KeptFacets kept)
+// `bend` is as for `traverse`. `kept` may be of any segment; it spares a fetch where this one begins in a cell of which it
+// says enough.
+SegmentHit traverse_refined(Tile tile, vec3 entry_texture, vec3 exit_texture, vec3 bend, KeptFacets kept)
 {
     SegmentHit result = nothing_hit();
     vec3 cells = tile.facet_cells;
@@ -131,10 +132,11 @@ SegmentHit traverse_refined(Tile tile, vec3 entry_texture, vec3 exit_texture, Ke
     float radius = 0.5f * length(side);
     vec3 start = vec3(fract(entry_texture.x), fract(entry_texture.y), entry_texture.z) * cells;
     vec3 way = (exit_texture - entry_texture) * cells;
+    vec3 bend_cells = bend * cells;
     vec3 origin = vec3(floor(entry_texture.x), floor(entry_texture.y), 0.0f) * cells;
     vec3 cell = floor(start);
     cell.z = clamp(cell.z, 0.0f, cells.z - 1.0f);
-    bool known = reaches_cell(kept.texel, kept.cell - origin, way, cell);
+    bool known = kept.cell.z >= 0.0f && reaches_cell(kept.texel, kept.cell - origin, way, cell);
     cell = known ? kept.cell - origin : cell;
     result.kept = kept;
     for (int step = 0; step < MOST_CELLS; ++step) {
@@ -155,23 +157,31 @@ SegmentHit traverse_refined(Tile tile, vec3 entry_texture, vec3 exit_texture, Ke
             result.hit = true;
             return result;
         }
+        // The segment says which cells are met; within one, the ray is the secant of its parabola.
+        float share = range.x * range.y;
+        float share_along = 1.0f - range.x - range.y;
+        vec3 secant_start = start + bend_cells * share;
+        vec3 secant_way = way + bend_cells * share_along;
         if (kind == FACET_SPLIT) {
-            SegmentHit inner = traverse_parts(tile, result.kept, cell, start, way, range);
+            SegmentHit inner = traverse_parts(tile, result.kept, cell, secant_start, secant_way, range);
             result.fetches += inner.fetches;
             result.kept = inner.kept;
             if (inner.hit) {
                 result.hit = true;
                 result.along = inner.along;
                 result.normal = inner.normal;
+                result.aside = bend * (share + share_along * inner.along);
                 return result;
             }
         } else if (kind != FACET_EMPTY) {
-            vec3 start_metric = (start - cell - vec3(0.5f)) * side;
-            float found = first_inside(texel, kind, start_metric, way * side, radius, range);
+            vec3 start_metric = (secant_start - cell - vec3(0.5f)) * side;
+            vec3 way_metric = secant_way * side;
+            float found = first_inside(texel, kind, start_metric, way_metric, radius, range);
             if (found <= 1.0f) {
                 result.hit = true;
                 result.along = found;
-                result.normal = normal_at(texel, start_metric + way * side * found, way * side, radius);
+                result.normal = normal_at(texel, start_metric + way_metric * found, way_metric, radius);
+                result.aside = bend * (share + share_along * found);
                 return result;
             }
         }
