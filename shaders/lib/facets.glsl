@@ -63,6 +63,16 @@ vec3 plane_reach(vec4 texel, vec3 way)
     return vec3(float(along_u & 1), float(along_v & 1), float(along_w & 1));
 }
 
+// In how many more cells what a texel says holds too.
+vec3 facet_reach(vec4 texel, vec3 way)
+{
+    int kind = facet_kind(texel);
+    if (kind == FACET_EMPTY) {
+        return empty_reach(texel, way);
+    }
+    return kind < FACET_SOLID ? plane_reach(texel, way) : vec3(0.0f);
+}
+
 // Two ranges of a segment, and what they have in common.
 vec2 common_range(vec2 a, vec2 b)
 {

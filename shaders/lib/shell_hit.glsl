@@ -14,7 +14,7 @@ const int FINS_EXACT = 0;   // bilinear patches
 const int FINS_PAPER = 1;  // two planes each, as in the paper
 
 // How far a chord may lie from the ray's curve: in voxels of the distance field or, where a traversal reads more exact facets,
-// in cells of these.
+// in cells of these. There the chord only picks the cells; within one, `refined` knows how the curve bends.
 const float CHORD_VOXELS = 0.25f;
 const float CHORD_CELLS = 0.0625f;
 
@@ -55,6 +55,7 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
         path = make_prism_path(prism, origin, dir);
     }
     float t_after = -3.0e38f;
+    KeptFacets kept = nothing_kept();
     for (int i = 0; i < MOST_SPANS; ++i) {
         PrismSpan span;
         if (planes) {
@@ -76,24 +77,27 @@ ShellHit trace_prism(Prism prism, vec3 origin, vec3 dir, float t_near, int fins,
         if (!span.found) {
             continue;
         }
-        int pieces = 1;
+        CurveChords chords = single_chord();
         if (follows_curve(traversal) && !path.level) {
             bool by_cells = traversal == TRAVERSAL_REFINED && tile.facet_cells.x > 0.0f;
             float most = by_cells ? CHORD_CELLS / tile.facet_cells.x : CHORD_VOXELS / tile.sdf_nodes.x;
-            pieces = curve_pieces(prism, path, span, tile.scale, most);
+            chords = curve_chords(prism, path, span, tile.scale, most);
         }
+        int pieces = chords.pieces;
         vec3 q_in = span.q_in;
         vec3 entry_texture = prism_texture(prism, q_in);
         for (int piece = 1; piece <= pieces && !result.hit; ++piece) {
             vec3 q_out = piece == pieces ? span.q_out : curve_place(path, span, float(piece) / float(pieces));
             vec3 exit_texture = prism_texture(prism, q_out);
-            SegmentHit segment = traverse(traversal, tile, tolerance, entry_texture, exit_texture);
+            SegmentHit segment = traverse(traversal, tile, tolerance, entry_texture, exit_texture,
+                                          piece_bend(chords, piece), kept);
             result.fetches += segment.fetches;
+            kept = segment.kept;
             if (segment.hit) {
                 result.hit = true;
                 result.at_entry = piece == 1 && segment.along == 0.0f;
                 result.q = mix(q_in, q_out, segment.along);
-                result.pos_texture = mix(entry_texture, exit_texture, segment.along);
+                result.pos_texture = mix(entry_texture, exit_texture, segment.along) + segment.aside;
                 result.normal = segment.normal;
                 if (!path.level && segment.normal != vec3(0.0f)) {
                     // The traversal knows the plane that the chord meets; the curve meets it nearby.

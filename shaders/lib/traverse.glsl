@@ -20,11 +20,8 @@ const int TRAVERSAL_SLICES = 4;
 // (section 4.1), so the end point is asked whether there is a surface.
 SegmentHit traverse_gdm(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture)
 {
-    SegmentHit result;
-    result.hit = false;
+    SegmentHit result = nothing_hit();
     result.along = 1.0f;
-    result.fetches = 0;
-    result.normal = vec3(0.0f);
     vec3 span_metric = (exit_texture - entry_texture) * tile.scale;
     float span_length = length(span_metric);
     if (span_length == 0.0f) {
@@ -43,11 +40,7 @@ SegmentHit traverse_gdm(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3
 // Hart 1996, "Sphere tracing": a step as long as the distance to the nearest surface crosses none.
 SegmentHit traverse_sdf(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture)
 {
-    SegmentHit result;
-    result.hit = false;
-    result.along = 0.0f;
-    result.fetches = 0;
-    result.normal = vec3(0.0f);
+    SegmentHit result = nothing_hit();
     float span_length = length((exit_texture - entry_texture) * tile.scale);
     float travelled = 0.0f;
     while (result.fetches < tolerance.sdf_steps) {
@@ -67,14 +60,17 @@ SegmentHit traverse_sdf(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3
     return result;
 }
 
-SegmentHit traverse(int traversal, Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture)
+// Where the segment is at `along`, the ray is along * (1 - along) * bend beside it; `kept` is of a segment that ends at the
+// entry. Only `refined` asks for either.
+SegmentHit traverse(int traversal, Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture, vec3 bend,
+                    KeptFacets kept)
 {
     if (traversal == TRAVERSAL_GDM) {
         return traverse_gdm(tile, tolerance, entry_texture, exit_texture);
     }
     // A map without facets has sphere tracing to fall back on.
     if (traversal == TRAVERSAL_REFINED && tile.facet_cells.x > 0.0f) {
-        return traverse_refined(tile, entry_texture, exit_texture);
+        return traverse_refined(tile, entry_texture, exit_texture, bend, kept);
     }
     if (traversal == TRAVERSAL_MARCH) {
         return traverse_march(tile, entry_texture, exit_texture);

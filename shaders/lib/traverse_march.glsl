@@ -19,11 +19,8 @@ const int MOST_MARCH_STEPS = 4096;
 
 SegmentHit traverse_march(Tile tile, vec3 entry_texture, vec3 exit_texture)
 {
-    SegmentHit result;
-    result.hit = false;
-    result.along = 0.0f;
+    SegmentHit result = nothing_hit();
     result.fetches = 1;
-    result.normal = vec3(0.0f);
     float density = lookup_density(tile, entry_texture);
     if (density >= 0.5f) {
         result.hit = true;

@@ -17,11 +17,7 @@
 
 SegmentHit traverse_slices(Tile tile, Tolerance tolerance, vec3 entry_texture, vec3 exit_texture)
 {
-    SegmentHit result;
-    result.hit = false;
-    result.along = 0.0f;
-    result.fetches = 0;
-    result.normal = vec3(0.0f);
+    SegmentHit result = nothing_hit();
     float rise = exit_texture.z - entry_texture.z;
     if (rise == 0.0f) {
         return result;
