@@ -19,6 +19,7 @@ import demo_pictures as pictures  # noqa: E402
 OUT = Path(sys.argv[sys.argv.index("--out") + 1])
 SIZE = 512
 TILE, SURFACE, CUBE = "ChainTile", "Torus", "Cube"
+TRAVERSALS = ("refined", "sdf", "gdm")
 
 
 class Stages:
@@ -53,8 +54,11 @@ def bake(stage, native, chosen_source):
     with stage("bake SDF") as row:
         sdf = native.bake_sdf(sample, resolution=(64, 64, 33))
         row["note"] = "64x64x33 nodes"
+    with stage("bake facets") as row:
+        facets = native.bake_facets(sample)
+        row["note"] = f"{facets.texels.nbytes / 2**20:.2f} MB"
     with stage("compress") as row:
-        tile_map = native.compress(gdm, sdf=sdf)
+        tile_map = native.compress(gdm, sdf=sdf, facets=facets)
         voxels = tile_map.resolution[0]
         row["note"] = (f"{tile_map.terms} SVD terms by nodes, RMSE {tile_map.rmse * voxels:.2f} voxels, "
                        f"largest error {tile_map.max_error * voxels:.0f}")
@@ -101,7 +105,7 @@ def run():
     lit = lights.read(bpy.context.evaluated_depsgraph_get())
 
     drawn = {}
-    for traversal in ("sdf", "gdm"):
+    for traversal in TRAVERSALS:
         traced = instance._replace(settings=instance.settings._replace(traversal=traversal))
         with stage(f"draw {traversal} (GLSL)"):
             color, depth = offscreen.picture([traced], clip_from_world, (SIZE, SIZE), lit)
@@ -109,7 +113,7 @@ def run():
         drawn[traversal] = {"color": color, "hit": depth < 1.0, "distance": data[..., 3]}
 
     rendered = {}
-    for traversal in ("sdf", "gdm"):
+    for traversal in TRAVERSALS:
         record = draw.settings_record(traversal=traversal, base_color=instance.settings.base_color, lights=lit,
                                       world_from_object=instance.world_from_object)
         with stage(f"render {traversal} (C++)") as row:
@@ -127,7 +131,8 @@ def run():
     realized = {"hit": truth["hit"], "distance": truth["distance"],
                 "color": pictures.shade(truth["normal"], truth["hit"], native.eye(clip_from_object), instance, lit)}
 
-    files = {"viewport.png": viewport, "draw.png": drawn["sdf"]["color"], "reference.png": rendered["sdf"]["color"],
+    files = {"viewport.png": viewport, "draw.png": drawn["refined"]["color"],
+             "reference.png": rendered["refined"]["color"],
              "realized.png": realized["color"], "draw_gdm.png": drawn["gdm"]["color"]}
     for name, pixels in files.items():
         encode = name != "viewport.png"
@@ -140,11 +145,9 @@ def run():
         "renderer": pictures.renderer(),
         "stages": stage.rows,
         "differences": [
-            pictures.compare("draw sdf", drawn["sdf"], "reference sdf", rendered["sdf"], voxel),
-            pictures.compare("draw gdm", drawn["gdm"], "reference gdm", rendered["gdm"], voxel),
-            pictures.compare("reference sdf", rendered["sdf"], "realized", realized, voxel),
-            pictures.compare("reference gdm", rendered["gdm"], "realized", realized, voxel),
-            pictures.compare_window("viewport", viewport, "draw sdf", drawn["sdf"], solid),
+            *(pictures.compare(f"draw {name}", drawn[name], f"reference {name}", rendered[name], voxel) for name in TRAVERSALS),
+            *(pictures.compare(f"reference {name}", rendered[name], "realized", realized, voxel) for name in TRAVERSALS),
+            pictures.compare_window("viewport", viewport, "draw refined", drawn["refined"], solid),
         ],
         "files": [str((OUT / name).relative_to(ROOT)) for name in ("chain.gdm.exr", *files)],
     }
