@@ -77,17 +77,7 @@ void split(Cell& cell, const std::vector<FacetPolygon>& polygons, const FacetBox
     }
 }
 
-int cells_along(double length, double side)
-{
-    return std::clamp(static_cast<int>(std::lround(length / side)), 1, 128);
-}
-
 }  // namespace
-
-glm::ivec3 facet_cells(int cells, float height, float aspect)
-{
-    return glm::ivec3(cells, cells_along(aspect, 1.0 / cells), cells_along(height, 1.0 / cells));
-}
 
 Facets bake_facets(const Sample& sample, int cells, Job& job, bool boxes)
 {

@@ -31,7 +31,17 @@ std::uint32_t steps(double value, int count)
     return static_cast<std::uint32_t>(std::clamp(std::lround((0.5 + 0.5 * value) * count), 0l, static_cast<long>(count)));
 }
 
+int cells_along(double length, double side)
+{
+    return std::clamp(static_cast<int>(std::lround(length / side)), 1, 128);
+}
+
 }  // namespace
+
+glm::ivec3 facet_cells(int cells, float height, float aspect)
+{
+    return glm::ivec3(cells, cells_along(aspect, 1.0 / cells), cells_along(height, 1.0 / cells));
+}
 
 FacetTexel empty_texel(const EmptyBoxes& boxes)
 {
