@@ -19,7 +19,7 @@ _SAVE_A_BYTE = 60.0
 _EACH_BAKE = 0.1  # seconds, whatever the resolution
 # Bytes in a file for each byte of an array, as ZIP packs those of the samples.
 _PACKED = {"byte": 0.95, "half": 0.7, "float": 0.9}
-_SDF_BYTES, _FACET_BYTES, _ATTRIBUTE_BYTES = 1.9, 8.0, 3.0
+_SDF_BYTES, _FACET_BYTES, _ATTRIBUTE_BYTES = 1.9, 5.0, 3.0
 
 
 @dataclass(frozen=True)
